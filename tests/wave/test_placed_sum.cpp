@@ -225,11 +225,14 @@ TEST_P(PlacedSums, HoldNothingThatOthersNeedWhileTheyAreComputed) {
 
 TEST_P(PlacedSums, AreOneFieldForAllThreads) {
   std::atomic<int> sums = 0;
-  const PlacedField placed = field_there([&](const Observer&) {
+  const auto ramp = [&] {
     Field field(panel_, 532_nm);
     parallel_for(0, int64_t(field.samples.size()), [&](int64_t i) { field.samples.values[size_t(i)] = float(i); });
-    ++sums;
     return field;
+  };
+  const PlacedField placed(send(device_, ramp()), [&](const Observer&) {
+    ++sums;
+    return ramp();
   });
   test::FaultyApi api;
   api.failing = 0;

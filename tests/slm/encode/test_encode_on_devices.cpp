@@ -9,8 +9,10 @@
 #include <map>
 #include <thread>
 
+#include "holotrace/slm/encode/banded_field.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/encode_cost.h"
+#include "holotrace/slm/encode/low_pass.h"
 #include "support/build_paths.h"
 #include "support/panels.h"
 #include "support/stages_on_devices.h"
@@ -96,6 +98,8 @@ std::vector<EncodeCase> encode_cases() {
 class EncodeOnDevices : public test::StagesOnDevices {
  protected:
   PlacedField there(const Field& field) const { return PlacedField(send(device_, field)); }
+
+  void leave_memory(double bytes) const { device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8); }
 
   // The part of levels that differ; none does by more than it may, around the circle of so many levels.
   static double different(const Array2D<uint16_t>& a, const Array2D<uint16_t>& b, int levels, int most_off) {
@@ -205,20 +209,107 @@ TEST_P(EncodeOnDevices, TransferLevelsOnly) {
   }
 }
 
-// On 200 x 150 pixels, where tables of rows and columns are small.
+// On 200 x 150 pixels, where tables of rows and columns are small. With less, the field goes to the device in bands.
 TEST_P(EncodeOnDevices, NeedTheMemoryThatIsStated) {
   for (EncodeCase one : encode_cases()) {
     SCOPED_TRACE(one.name);
     one.slm.grid = {200, 150, test_pitch};
     const PlacedField light = there(drawn_field(one.slm.grid));
     const double needed = encode_cost(one.params, one.slm.grid, test_wavelength).memory;
-    const auto limit_to = [&](double left) { device_.limit_memory((double(device_.use().bytes_held) + left) / 0.8); };
-    limit_to(1.05 * needed);  // tables
-    EXPECT_EQ(error_of([&] { encode(light, one.slm, on_device(one.params)); }), "no error");
-    limit_to(0.9 * needed);
-    const std::string error = error_of([&] { encode(light, one.slm, on_device(one.params)); });
-    EXPECT_NE(error.find("of memory"), std::string::npos) << error;
+    const auto bytes_sent = [&](double left) {
+      leave_memory(left);
+      const size_t before = device_.use().bytes_in;
+      encode(light, one.slm, on_device(one.params));
+      return double(device_.use().bytes_in - before);
+    };
+    EXPECT_LT(bytes_sent(1.05 * needed), 8 * 30'000) << "tables";
+    EXPECT_GE(bytes_sent(0.9 * needed), 2 * 8 * 30'000) << "rows for moments, and for levels";
     device_.limit_memory(0);
+  }
+}
+
+// In bands of some 16 of 150 rows and 20 of at most 200 columns: the levels are those of the whole field, byte for byte. Moments
+// are added up in another order, in double. What is transferred is what `auto` counts, and tables: 8 bytes per column for each band
+// of a reference wave, 8 % of the rows that are sent; the counts of moduli, there and back.
+TEST_P(EncodeOnDevices, GiveTheSameLevelsInBands) {
+  for (EncodeCase one : encode_cases()) {
+    SCOPED_TRACE(one.name);
+    one.slm.grid = {200, 150, test_pitch};
+    const Field field = drawn_field(one.slm.grid);
+    Heard of_whole, of_bands;
+    const Hologram whole = encode(field, one.slm, on_device(one.params), of_whole.observer());
+    const double memory = 150e3;
+    leave_memory(memory);
+    const EncodeBands bands = encode_bands(one.params, one.slm.grid, test_wavelength, memory, memory);
+    ASSERT_LT(bands.rows, 80);
+    ASSERT_EQ(bands.rows % 2, 0);
+    ASSERT_LT(bands.columns, 40);
+    const DeviceUse before = device_.use();
+    const Hologram banded = encode(field, one.slm, on_device(one.params), of_bands.observer());
+    const DeviceUse after = device_.use();
+    device_.limit_memory(0);
+    EXPECT_EQ(banded.level.values, whole.level.values);
+    EXPECT_EQ(banded.modulus_level.values, whole.modulus_level.values);
+    EXPECT_NEAR(banded.illumination, whole.illumination, 1e-12 * whole.illumination);
+    EXPECT_EQ(banded.filter, whole.filter);
+    EXPECT_EQ(of_bands.warnings, of_whole.warnings);
+    ASSERT_EQ(of_bands.facts.size(), of_whole.facts.size());
+    for (const auto& [name, value] : of_whole.facts)
+      if (const double* number = std::get_if<double>(&value)) {
+        EXPECT_NEAR(of_bands.number(name), *number, 1e-12 * std::abs(*number)) << name;
+      }
+    double expected = encode_cost(one.params, one.slm.grid, test_wavelength).of_bands;
+    if (one.params.method == Encoding::double_phase)
+      expected += 2 * sizeof(uint32_t) * (modulus_steps + 1) * std::ceil(150.0 / bands.rows);
+    const double moved = double(after.bytes_in - before.bytes_in + after.bytes_out - before.bytes_out);
+    EXPECT_GE(moved, expected);
+    EXPECT_LE(moved, 1.08 * expected);
+  }
+}
+
+TEST_P(EncodeOnDevices, NameASampleThatIsNotFiniteInAnyBand) {
+  const EncodeCase one{"one"};
+  leave_memory(4e3);  // 4 rows of 416 bytes and more
+  for (const int row : {0, 20, 36}) {
+    Field field = drawn_field(one.slm.grid);
+    field.samples(row, 4) = {std::numeric_limits<float>::infinity(), 0};
+    const std::string error = error_of([&] { encode(field, one.slm, on_device(one.params)); });
+    EXPECT_NE(error.find("expected finite samples in the field"), std::string::npos) << error;
+  }
+}
+
+TEST_P(EncodeOnDevices, SayThatABandDoesNotFit) {
+  for (const EncodeCase& one : encode_cases()) {
+    leave_memory(500);  // a row takes 400 bytes and those of its levels
+    const std::string error = error_of([&] { encode(drawn_field(one.slm.grid), one.slm, on_device(one.params)); });
+    EXPECT_EQ(error.find("expected memory for two rows and a column of a field of " + std::to_string(one.slm.grid.nx) +
+                         " × 37 samples on the device "),
+              0u)
+        << error;
+    make_device_fast(1e15);
+    Heard heard;
+    const Field field = drawn_field(one.slm.grid);
+    EXPECT_EQ(encode(field, one.slm, automatic(one.params), heard.observer()).level.values,
+              encode(field, one.slm, one.params).level.values);
+    EXPECT_EQ(heard.facts.count("device"), 0u);
+  }
+}
+
+// A field of 1850 samples goes there twice, 8 bytes each, and 2 of each level return: 0.333 s at 1e5 bytes/s.
+TEST_P(EncodeOnDevices, AreChosenByTheTransfersOfTheirBands) {
+  const EncodeCase one{"one"};
+  const int number = device_.info().number;
+  set_device_rates([=](Device& device) {
+    return device.info().number == number ? DeviceRates{0, 1e5, 1e15} : DeviceRates();
+  });
+  leave_memory(4e3);
+  for (const double seconds : {0.32, 0.35}) {
+    SummationRates slow;
+    slow.samples = 2 * 1850 / seconds / std::max(1U, std::thread::hardware_concurrency());
+    set_summation_rates([slow] { return slow; });
+    const size_t before = device_.use().kernels;
+    encode(drawn_field(one.slm.grid), one.slm, automatic(one.params));
+    EXPECT_EQ(device_.use().kernels > before, seconds > 0.333) << seconds;
   }
 }
 
@@ -242,8 +333,8 @@ TEST_P(EncodeOnDevices, AreChosenByWhereTheFieldIs) {
   EXPECT_TRUE(uses_device(light, automatic(one.params)));
   EXPECT_FALSE(uses_device(PlacedField::of(field), automatic(one.params)));
   EXPECT_FALSE(uses_device(light, one.params)) << "the processor is the default";
-  device_.limit_memory((double(device_.use().bytes_held) + 1850) / 0.8);  // of 2 bytes per level
-  EXPECT_FALSE(uses_device(light, automatic(one.params))) << "levels do not fit";
+  leave_memory(1850);  // of 2 bytes per level
+  EXPECT_FALSE(uses_device(light, automatic(one.params))) << "levels do not fit, and bands take longer";
   device_.limit_memory(0);
   set_device_rates({});
   EXPECT_FALSE(uses_device(there(field), automatic(one.params))) << "not measured";
@@ -310,7 +401,12 @@ TEST_P(EncodeOnDevices, WarnOfADarkField) {
 TEST_P(EncodeOnDevices, WriteNothingPastTheirBuffers) {
   const size_t before = device_.broken_guards();
   device_.guard_buffers(true);
-  for (const EncodeCase& one : encode_cases()) encode(there(drawn_field(one.slm.grid)), one.slm, on_device(one.params));
+  for (const EncodeCase& one : encode_cases()) {
+    encode(there(drawn_field(one.slm.grid)), one.slm, on_device(one.params));
+    leave_memory(80e3);  // bands, and 8 kB around each buffer
+    encode(drawn_field(one.slm.grid), one.slm, on_device(one.params));
+    device_.limit_memory(0);
+  }
   device_.guard_buffers(false);
   EXPECT_EQ(device_.broken_guards(), before);
 }
@@ -325,20 +421,24 @@ TEST_P(EncodeOnDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
     const Hologram expected = encode(field, one.slm, one.params, here.observer());
     encode(field, one.slm, on_device(one.params));  // compiles the kernels
     make_device_fast(1e15);
-    const auto on_named = [&] { encode(field, one.slm, on_device(one.params)); };
-    const int faults = test::fail_each_call(1, on_named, [&](const std::string& error) {
-      Heard heard;
-      std::map<std::string, int> told;
-      Observer observer = heard.observer();
-      observer.on_fact = [&](const std::string& name, const Fact&) { ++told[name]; };
-      const Hologram hologram = encode(field, one.slm, automatic(one.params), observer);
-      for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << name;
-      EXPECT_EQ(hologram.level.values, expected.level.values);
-      EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values);
-      ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1);
-      EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(), test::warning_after(error)), 1);
-    });
-    EXPECT_GT(faults, 8);
+    for (const double memory : {1e9, one.name == "double-phase" ? 48e3 : 8e3}) {  // as a whole, and in bands
+      leave_memory(memory);
+      const auto on_named = [&] { encode(field, one.slm, on_device(one.params)); };
+      const int faults = test::fail_each_call(memory < 1e6 ? 3 : 1, on_named, [&](const std::string& error) {
+        Heard heard;
+        std::map<std::string, int> told;
+        Observer observer = heard.observer();
+        observer.on_fact = [&](const std::string& name, const Fact&) { ++told[name]; };
+        const Hologram hologram = encode(field, one.slm, automatic(one.params), observer);
+        for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << name;
+        EXPECT_EQ(hologram.level.values, expected.level.values);
+        EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values);
+        ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1);
+        EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(), test::warning_after(error)), 1);
+      });
+      EXPECT_GT(faults, 8);
+      device_.limit_memory(0);
+    }
   }
 }
 #endif

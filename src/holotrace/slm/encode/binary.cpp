@@ -4,8 +4,7 @@
 
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/device_levels.h"
-#include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/banded_low_pass.h"
 #include "holotrace/slm/encode/interference_kernel.h"
 #include "holotrace/slm/encode/off_axis.h"
 
@@ -53,6 +52,8 @@ void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels
 template void encode_binary(const ShownPixels<Field>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                             Hologram&);
 template void encode_binary(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&, const Observer&,
+                            Hologram&);
+template void encode_binary(const ShownPixels<BandedField>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                             Hologram&);
 
 }  // namespace holotrace

@@ -2,6 +2,8 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/hologram.h"
+#include "holotrace/slm/encode/device_moments.h"
+#include "holotrace/slm/encode/low_pass.h"
 #include "holotrace/slm/encode/shown_pixels.h"
 #include "holotrace/wave/shared/device_field.h"
 
@@ -10,11 +12,15 @@
 
 namespace holotrace {
 
-/// Samples on a device that are those of a field times `scale`.
-struct ScaledField {
-  DeviceField light;
+/// Samples that are those of a field times `scale`.
+template <class AnyField>
+struct Scaled {
+  AnyField light;
   double scale = 1;
 };
+using ScaledField = Scaled<DeviceField>;
+
+inline const Grid& grid_of(const DeviceField& field) { return field.head.grid; }
 
 /// The field limited to a stop on the axis, within 1e-6 of its norm; fact `band_power`, as low_pass.h.
 /// Transfers: 16 bytes per column and 8 per row to the device; 4 per column within the stop come back.
@@ -23,7 +29,17 @@ ScaledField within_stop(const ShownPixels<DeviceField>& shown, const SpectralFil
 /// Scales the field to moduli of at most 1, as normalise_modulus of low_pass.h, with its facts. A is the same but for
 /// rounding, by which it may be found one step, 1/4096 of the largest modulus, off.
 /// Transfers: 20 bytes per row, and 16 kB to the device and back.
-double normalise_modulus(double clipped_pixels, const Observer& observer, ScaledField& field);
+template <class AnyField>
+double normalise_modulus(double clipped_pixels, const Observer& observer, Scaled<AnyField>& field) {
+  const ModulusMoments moments = modulus_moments(field.light);
+  double top = moments.largest;
+  if (clipped_pixels > 0 && top > 0)
+    top = modulus_to_clip(count_moduli(field.light, top, modulus_steps), top,
+                          clipped_pixels * double(grid_of(field.light).pixels()));
+  const double clipped = clip_moduli(field.light, top);
+  tell_clipping(top / field.scale, moments.square > 0 ? clipped / moments.square : 0, observer);
+  return top / field.scale;
+}
 
 /// The fraction of the field's power in the band |u| ≤ half_u, |v| ≤ half_v, within 1e-6. Transfers: as within_stop.
 double power_inside(const ShownPixels<DeviceField>& shown, const SpectralFilter& filter);

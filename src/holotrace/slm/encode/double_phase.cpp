@@ -1,8 +1,7 @@
 #include "holotrace/slm/encode/double_phase.h"
 
 #include "holotrace/base/threads.h"
-#include "holotrace/slm/encode/device_levels.h"
-#include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/banded_low_pass.h"
 #include "holotrace/slm/encode/double_phase_kernel.h"
 #include "holotrace/slm/encode/low_pass.h"
 
@@ -40,6 +39,8 @@ void encode_double_phase(const ShownPixels<AnyField>& shown, const PhaseLevels& 
 template void encode_double_phase(const ShownPixels<Field>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                                   Hologram&);
 template void encode_double_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&,
+                                  const Observer&, Hologram&);
+template void encode_double_phase(const ShownPixels<BandedField>&, const PhaseLevels&, const EncodeParams&,
                                   const Observer&, Hologram&);
 
 }  // namespace holotrace

@@ -8,9 +8,9 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/slm/encode/banded_levels.h"
 #include "holotrace/slm/encode/binary.h"
 #include "holotrace/slm/encode/blank_hologram.h"
-#include "holotrace/slm/encode/device_moments.h"
 #include "holotrace/slm/encode/double_phase.h"
 #include "holotrace/slm/encode/encode_cost.h"
 #include "holotrace/slm/encode/error_diffusion.h"
@@ -67,25 +67,46 @@ Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& para
   return {std::move(hologram), std::move(levels)};
 }
 
-// Levels of a field on a device; none if a sample is not finite, which the processor names.
-std::optional<Hologram> encode_there(const DeviceField& field, const Begun& begun, const EncodeParams& params,
+// Levels of a DeviceField or BandedField; none if a sample is not finite, which the processor names.
+template <class AnyField>
+std::optional<Hologram> encode_there(const AnyField& field, const Begun& begun, const EncodeParams& params,
                                      const Observer& observer) {
-  Device& device = *field.device;
-  const auto lock = device.lock();
-  make_room(device, encode_cost(params, field.head.grid, field.head.wavelength).memory);
   const ModulusMoments moments = modulus_moments(field);
   if (!std::isfinite(moments.largest)) return std::nullopt;
   Hologram hologram = begun.hologram;
   std::vector<std::pair<std::string, Fact>> facts;  // told when no device can fail any more
   Observer listener = observer;
   listener.on_fact = [&](const std::string& name, const Fact& value) { facts.emplace_back(name, value); };
-  encode_anywhere(ShownPixels<DeviceField>{field, moments, params.image == ImageSide::real_image}, params, begun.levels,
+  encode_anywhere(ShownPixels<AnyField>{field, moments, params.image == ImageSide::real_image}, params, begun.levels,
                   listener, hologram);
   if (observer.on_fact)
     for (const auto& [name, value] : facts) observer.on_fact(name, value);
   if (moments.largest == 0) warn_of_dark_field(observer);
-  observer.fact("device", device.info().name);
+  observer.fact("device", field.device->info().name);
   return hologram;
+}
+
+// The same on a device where the field is or goes: as a whole, or if there is not enough memory, band by band.
+std::optional<Hologram> encode_on(Device& device, const PlacedField& field, const Begun& begun,
+                                  const EncodeParams& params, const Observer& observer) {
+  const Field& head = field.head();
+  if (fits_whole(device, field, params)) {
+    const auto there = field.on(device, observer);
+    const auto lock = device.lock();
+    make_room(device, encode_cost(params, head.grid, head.wavelength).memory);
+    return encode_there(*there, begun, params, observer);
+  }
+  BandedField banded{&device, field.on_processor(observer), {}};
+  const auto lock = device.lock();
+  make_room(device, device.memory());
+  const double left = std::max(0.0, device.memory_left());
+  banded.bands = encode_bands(params, head.grid, head.wavelength, left, device.info().largest_buffer);
+  require(
+      banded.bands.fit(),
+      "expected memory for two rows and a column of a field of {} × {} samples on the device {}, got {} that are free; "
+      "close other programs that use it, or use the device cpu",
+      head.grid.nx, head.grid.ny, device.info().name, format_bytes(left));
+  return encode_there(banded, begun, params, observer);
 }
 
 }  // namespace
@@ -125,7 +146,7 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& pa
     of_faults.on_warning = observer.on_warning;
     auto there = on_chosen_device(
         params.device, of_faults, [&] { return fastest_to_encode(field, params); },
-        [&](Device& device) { return encode_there(*field.on(device, observer), begun, params, observer); });
+        [&](Device& device) { return encode_on(device, field, begun, params, observer); });
     if (there && *there) return finished(std::move(**there));
   }
   const auto here = field.on_processor(observer);

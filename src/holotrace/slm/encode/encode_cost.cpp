@@ -7,7 +7,9 @@
 #include <optional>
 #include <thread>
 
+#include "holotrace/slm/encode/banded_field.h"
 #include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/frequency_band.h"
 #include "holotrace/slm/encode/stop.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/device_rates.h"
@@ -33,6 +35,8 @@ EncodeCost encode_cost(const EncodeParams& params, const Grid& grid, double wave
   cost.moved = ((2 + results) * bytes_of_sample + results * bytes_of_level) * pixels;
   cost.returned = results * bytes_of_level * pixels;
   cost.memory = bytes_of_level * pixels;
+  // Moments, and each of the levels.
+  cost.of_bands = cost.returned + (1 + results) * bytes_of_sample * pixels;
   const std::optional<SpectralFilter> stop = stop_of(params, grid, wavelength);
   if (!stop) return cost;
   const double transform = grid.ny * fft_operations(grid.nx) + grid.nx * fft_operations(grid.ny);
@@ -41,8 +45,20 @@ EncodeCost encode_cost(const EncodeParams& params, const Grid& grid, double wave
   cost.on_processor.fft_operations = (is_limited ? 2 : 1) * transform;
   cost.on_processor.samples += (is_limited ? 4 : 2) * pixels;  // the stop, moduli, levels; irradiances
   cost.moved += spectrum.moved + (is_limited ? 5 : 1) * bytes_of_sample * pixels;
+  // Once more for the range of irradiances, and for the spectrum; within a stop also for moments, counts, and clipping.
+  const double more_passes = is_limited ? 5 : params.method == Encoding::off_axis ? 2 : 1;
+  const double passing = double(pass_band(grid, *stop).x.count) * grid.ny;
+  cost.of_bands += bytes_of_sample * (more_passes * pixels + (is_limited ? 4 : 2) * passing);
   cost.memory = std::max(spectrum.memory, cost.memory + (is_limited ? bytes_of_sample * pixels : 0));
   return cost;
+}
+
+bool fits_whole(const Device& device, const PlacedField& field, const EncodeParams& params) {
+  const Field& head = field.head();
+  const double of_field = bytes_of_sample * double(head.grid.pixels());
+  const double more = field.is_on(device) ? 0 : of_field;
+  return encode_cost(params, head.grid, head.wavelength).memory + more <= possible_room(device) &&
+         of_field <= device.info().largest_buffer;
 }
 
 Device* fastest_to_encode(const PlacedField& field, const EncodeParams& params) {
@@ -51,13 +67,13 @@ Device* fastest_to_encode(const PlacedField& field, const EncodeParams& params) 
   const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
   const double on_processor = predict_seconds(cost.on_processor, summation_rates(), threads);
   return fastest_device(field.seconds_to_processor() + on_processor, [&](Device& device) {
-    const bool is_there = field.seconds_to(device) == 0;
-    const double of_field = bytes_of_sample * double(head.grid.pixels());
-    if (cost.memory + (is_there ? 0 : of_field) > possible_room(device) || of_field > device.info().largest_buffer)
-      return std::numeric_limits<double>::infinity();
     const DeviceRates rates = device_rates(device);
-    return field.seconds_to(device) + cost.moved / rates.moved_bytes + cost.returned / rates.bytes +
-           seconds_to_start_kernels;
+    const double kernels = cost.moved / rates.moved_bytes + seconds_to_start_kernels;
+    if (fits_whole(device, field, params)) return field.seconds_to(device) + kernels + cost.returned / rates.bytes;
+    const EncodeBands bands =
+        encode_bands(params, head.grid, head.wavelength, possible_room(device), device.info().largest_buffer);
+    if (!bands.fit()) return std::numeric_limits<double>::infinity();
+    return field.seconds_to_processor() + kernels + cost.of_bands / rates.bytes;
   });
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "holotrace/base/threads.h"
-#include "holotrace/slm/encode/device_levels.h"
+#include "holotrace/slm/encode/banded_low_pass.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 
 namespace holotrace {
@@ -73,9 +73,12 @@ void encode_complex(const ShownPixels<AnyField>& shown, const PhaseLevels& level
 
 template void encode_phase(const ShownPixels<Field>&, const PhaseLevels&, Hologram&);
 template void encode_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, Hologram&);
+template void encode_phase(const ShownPixels<BandedField>&, const PhaseLevels&, Hologram&);
 template void encode_amplitude(const ShownPixels<Field>&, const Observer&, Hologram&);
 template void encode_amplitude(const ShownPixels<DeviceField>&, const Observer&, Hologram&);
+template void encode_amplitude(const ShownPixels<BandedField>&, const Observer&, Hologram&);
 template void encode_complex(const ShownPixels<Field>&, const PhaseLevels&, const Observer&, Hologram&);
 template void encode_complex(const ShownPixels<DeviceField>&, const PhaseLevels&, const Observer&, Hologram&);
+template void encode_complex(const ShownPixels<BandedField>&, const PhaseLevels&, const Observer&, Hologram&);
 
 }  // namespace holotrace

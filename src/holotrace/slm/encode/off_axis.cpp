@@ -11,8 +11,7 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/device_levels.h"
-#include "holotrace/slm/encode/device_low_pass.h"
+#include "holotrace/slm/encode/banded_low_pass.h"
 #include "holotrace/slm/encode/frequency_band.h"
 #include "holotrace/slm/encode/interference_kernel.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
@@ -122,6 +121,7 @@ void encode_off_axis(const ShownPixels<AnyField>& shown, const EncodeParams& par
 
 template void encode_off_axis(const ShownPixels<Field>&, const EncodeParams&, const Observer&, Hologram&);
 template void encode_off_axis(const ShownPixels<DeviceField>&, const EncodeParams&, const Observer&, Hologram&);
+template void encode_off_axis(const ShownPixels<BandedField>&, const EncodeParams&, const Observer&, Hologram&);
 
 void tell_band_power(double inside, const Hologram& hologram, bool with_bias, const Observer& observer) {
   observer.fact("band_power", Fact(inside));

@@ -102,6 +102,11 @@ std::shared_ptr<const Field> PlacedField::on_processor(const Observer& observer)
   return state_->keep((*places.again)({observer.on_progress, {}, observer.on_warning}), true);
 }
 
+bool PlacedField::is_on(const Device& device) const {
+  const auto there = state_->places().there;
+  return there && there->device == &device;
+}
+
 std::shared_ptr<const DeviceField> PlacedField::on(Device& device, const Observer& observer) const {
   if (auto there = state_->places().there; there && there->device == &device) return there;
   const auto here = on_processor(observer);
@@ -120,7 +125,7 @@ double PlacedField::seconds_to_processor() const {
 }
 
 double PlacedField::seconds_to(Device& device) const {
-  if (const auto there = state_->places().there; there && there->device == &device) return 0;
+  if (is_on(device)) return 0;
   return seconds_to_processor() + seconds_to_move(head(), device);
 }
 

@@ -38,6 +38,9 @@ class PlacedField {
   ///                on the device are given up
   std::shared_ptr<const Field> on_processor(const Observer& observer = {}) const;
 
+  /// Whether its samples are on that device.
+  bool is_on(const Device& device) const;
+
   /// The field on a device, where all that is kept for later makes room for it (make_room, device_room.h).
   /// @throws Error  as send and on_processor do
   std::shared_ptr<const DeviceField> on(Device& device, const Observer& observer = {}) const;
