@@ -37,7 +37,7 @@ ModulusMoments modulus_moments(const BandedField& field) {
   ModulusMoments all;
   for_each_band(field, [&](DeviceField& band, int) {
     const ModulusMoments of_band = modulus_moments(band);
-    if (!std::isfinite(all.largest)) return;
+    // std::max(a, b) is a if a is not a number.
     all.largest = std::isfinite(of_band.largest) ? std::max(all.largest, of_band.largest) : of_band.largest;
     all.sum += of_band.sum;
     all.square += of_band.square;
