@@ -158,4 +158,41 @@ TEST(Architecture, TheLibraryNeitherPrintsNorExits) {
   }
 }
 
+// Two types of one name break the rule of one definition, even if no file includes both headers: the linker takes either of
+// their destructors.
+TEST(Architecture, HeadersDefineEachTypeOnce) {
+  static const std::regex scope("^(?:inline )?namespace ([A-Za-z0-9_:]+) \\{.*"),
+      definition("^(?:struct|class) ([A-Za-z0-9_]+)(?: final)?(?: :[^;]*)? \\{.*");
+  std::map<std::string, fs::path> found;
+  for (const fs::path& folder : {library, source / "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      if (entry.path().extension() != ".h") continue;
+      std::ifstream in(entry.path());
+      std::string line, scopes;
+      std::smatch match;
+      while (std::getline(in, line)) {
+        if (std::regex_match(line, match, scope)) scopes += match[1].str() + "::";
+        if (!std::regex_match(line, match, definition)) continue;
+        const auto [other, is_new] = found.emplace(scopes + match[1].str(), entry.path());
+        EXPECT_TRUE(is_new) << other->first << " is in " << other->second << " and in " << entry.path();
+      }
+    }
+  EXPECT_GT(found.size(), 300u) << "the types are found";
+}
+
+// Launches of many groups along y and z are started in parts (WorkSize), where these functions begin again.
+TEST(Architecture, KernelsFindTheirPlaceByGlobalNumbers) {
+  static const std::regex pattern("get_(group_id|num_groups|global_size)\\([12]\\)");
+  size_t kernels = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(library)) {
+    if (entry.path().extension() != ".cl") continue;
+    ++kernels;
+    std::ifstream in(entry.path());
+    std::string line;
+    for (int number = 1; std::getline(in, line); ++number)
+      EXPECT_FALSE(std::regex_search(line, pattern)) << entry.path() << ":" << number << ": " << line;
+  }
+  EXPECT_GT(kernels, 8u);
+}
+
 }  // namespace

@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <set>
 #include <string>
 
+#include "holotrace/base/error.h"
 #include "holotrace/opencl/api.h"
-#include "support/error_of.h"
 
 namespace holotrace::test {
 
@@ -72,36 +73,39 @@ class FaultyApi {
   inline static FaultyApi* self = nullptr;
 };
 
-/// Runs `job` again and again, so that in turn every `step`th call of OpenCL fails, until a run has fewer calls. A failure must be
-/// one sentence, and what was made must have been released, once. `after(error)` runs after each failure, with the same call
-/// failing again. Returns how many runs failed.
+/// Runs `job` again and again, with call 0 of OpenCL failing, then call `step`, 2·step, …, until a run has fewer calls. A
+/// failure must be an Error of one sentence, and what was made must have been released, once. `after(error)` runs after each
+/// failure, with the same call failing again. Returns how many runs failed.
 template <class Job, class After>
-int fail_each_call(int step, const Job& job, const After& after) {
+int fail_every(int step, const Job& job, const After& after) {
   int faults = 0;
   for (int failing = 0;; failing += step) {
     SCOPED_TRACE("call " + std::to_string(failing) + " fails");
     FaultyApi api;
     api.failing = failing;
-    const std::string error = error_of(job);
+    std::optional<std::string> error;
+    try {
+      job();
+    } catch (const Error& thrown) {
+      error = thrown.what();
+    }
     EXPECT_TRUE(api.held.empty());
     EXPECT_FALSE(api.was_released_twice);
-    if (api.calls <= failing) {
-      EXPECT_EQ(error, "no error");
-      return faults;
-    }
-    EXPECT_NE(error, "no error");
-    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+    EXPECT_EQ(error.has_value(), api.calls > failing) << error.value_or("no error");
+    if (!error) return faults;
+    EXPECT_EQ(error->find('\n'), std::string::npos) << *error;
     ++faults;
     api.calls = 0;
-    after(error);
+    after(*error);
     EXPECT_TRUE(api.held.empty());
+    EXPECT_FALSE(api.was_released_twice);
     if (::testing::Test::HasFatalFailure()) return faults;
   }
 }
 
 template <class Job>
-int fail_each_call(int step, const Job& job) {
-  return fail_each_call(step, job, [](const std::string&) {});
+int fail_every(int step, const Job& job) {
+  return fail_every(step, job, [](const std::string&) {});
 }
 
 /// The warning of `auto` after a failure.

@@ -437,7 +437,7 @@ TEST_P(DeviceChains, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
     const DropAtEnd drop;
     picture(there(chain));
   };
-  const int faults = test::fail_each_call(5, on_named, [&](const std::string& error) {
+  const int faults = test::fail_every(5, on_named, [&](const std::string& error) {
     const DropAtEnd drop;
     Heard heard;
     EXPECT_LT(difference(picture(automatic_everywhere(chain), heard.observer()), expected), rounding);

@@ -40,6 +40,7 @@ struct Device::State {
   std::atomic<size_t> bytes_held = 0;  // forecasts read it while others use the device
   double memory = 0;                   // that the device is said to have
   bool has_guards = false;
+  size_t most_groups = most_groups_across;
   size_t broken_guards = 0;
 
   ~State() {
@@ -170,12 +171,12 @@ void Device::run(const Kernel& kernel, const WorkSize& size, std::initializer_li
     ++index;
   }
   const size_t group[3] = {size.group_x, size.group_y, 1};
-  for (size_t z = 0; z < size.groups_z; z += most_groups_across)
-    for (size_t y = 0; y < size.groups_y; y += most_groups_across) {
+  const size_t most = s.most_groups;
+  for (size_t z = 0; z < size.groups_z; z += most)
+    for (size_t y = 0; y < size.groups_y; y += most) {
       const size_t start[3] = {0, y * size.group_y, z};
-      const size_t all[3] = {size.groups_x * size.group_x,
-                             std::min(size.groups_y - y, most_groups_across) * size.group_y,
-                             std::min(size.groups_z - z, most_groups_across)};
+      const size_t all[3] = {size.groups_x * size.group_x, std::min(size.groups_y - y, most) * size.group_y,
+                             std::min(size.groups_z - z, most)};
       const cl_int status = api.clEnqueueNDRangeKernel(s.queue, compiled, 3, start, all, group, 0, nullptr, nullptr);
       if (status != CL_SUCCESS) fail_as_lost(info_, kernel.name, status);
     }
@@ -202,6 +203,8 @@ double Device::free_memory() const { return std::min(memory_left(), info_.larges
 void Device::limit_memory(double bytes) { state_->memory = bytes > 0 ? bytes : info_.memory; }
 
 void Device::guard_buffers(bool has_guards) { state_->has_guards = has_guards; }
+
+void Device::limit_groups(size_t most) { state_->most_groups = most > 0 ? most : most_groups_across; }
 
 size_t Device::broken_guards() const { return state_->broken_guards; }
 

@@ -42,12 +42,13 @@ struct Kernel {
   std::string options{};  ///< such as "-D BATCH=16"
 };
 
-/// The most groups along y or z that every maker's devices take at once (CUDA C++ Programming Guide, technical
+/// The most groups along y or z that are started at once: NVIDIA's cards take no more (CUDA C++ Programming Guide, technical
 /// specifications: 65,535 blocks of a grid along y and z).
 inline constexpr size_t most_groups_across = 65535;
 
 /// Groups of work items: how many of them, and the size of each. More than `most_groups_across` along y or z are started in
-/// parts, so a kernel finds its place there by get_global_id, which counts on, and not by get_group_id, which begins again.
+/// parts. So along y and z a kernel finds its place by get_global_id, which counts on, and not by get_group_id, which begins
+/// again.
 struct WorkSize {
   size_t groups_x = 1, groups_y = 1;
   size_t group_x = 1, group_y = 1;
@@ -126,6 +127,8 @@ class Device {
   void limit_memory(double bytes);
   /// For tests: buffers made from now on have guards on both sides, which are checked when they are released.
   void guard_buffers(bool has_guards);
+  /// For tests: the most groups along y or z that are started at once; 0: `most_groups_across`.
+  void limit_groups(size_t most);
   /// For tests: number of guards that kernels have overwritten.
   size_t broken_guards() const;
 

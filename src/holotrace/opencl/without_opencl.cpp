@@ -32,6 +32,7 @@ double Device::memory_left() const { fail_without(); }
 double Device::free_memory() const { fail_without(); }
 void Device::limit_memory(double) { fail_without(); }
 void Device::guard_buffers(bool) { fail_without(); }
+void Device::limit_groups(size_t) { fail_without(); }
 size_t Device::broken_guards() const { fail_without(); }
 
 Device& open_device(int) { fail_without(); }

@@ -9,7 +9,8 @@
 #include <map>
 #include <thread>
 
-#include "holotrace/slm/encode/banded_field.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/encode/banded_samples.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/encode_cost.h"
 #include "holotrace/slm/encode/low_pass.h"
@@ -209,7 +210,7 @@ TEST_P(EncodeOnDevices, TransferLevelsOnly) {
   }
 }
 
-// On 200 x 150 pixels, where tables of rows and columns are small. With less, the field goes to the device in bands.
+// With less than is stated the field goes to the device in bands.
 TEST_P(EncodeOnDevices, NeedTheMemoryThatIsStated) {
   for (EncodeCase one : encode_cases()) {
     SCOPED_TRACE(one.name);
@@ -222,54 +223,109 @@ TEST_P(EncodeOnDevices, NeedTheMemoryThatIsStated) {
       encode(light, one.slm, on_device(one.params));
       return double(device_.use().bytes_in - before);
     };
-    EXPECT_LT(bytes_sent(1.05 * needed), 8 * 30'000) << "tables";
+    EXPECT_LT(bytes_sent(needed), 8 * 30'000) << "tables";
     EXPECT_GE(bytes_sent(0.9 * needed), 2 * 8 * 30'000) << "rows for moments, and for levels";
     device_.limit_memory(0);
   }
 }
 
-// In bands of some 16 of 150 rows and 20 of at most 200 columns: the levels are those of the whole field, byte for byte. Moments
-// are added up in another order, in double. What is transferred is what `auto` counts, and tables: 8 bytes per column for each band
-// of a reference wave, 8 % of the rows that are sent; the counts of moduli, there and back.
+// In a few bands of rows and of columns, with lines that a group of work items holds (200 and 150) and with others (37 and 1009),
+// and single rows and columns: the levels are those of the whole field, byte for byte. Moments are added up in another order, in
+// double.
 TEST_P(EncodeOnDevices, GiveTheSameLevelsInBands) {
+  struct Case {
+    int nx, ny;
+    double share;  // of the memory between what the smallest bands take and what the whole does
+  };
+  for (EncodeCase one : encode_cases())
+    for (const auto& [nx, ny, share] :
+         {Case{200, 150, 0.1}, Case{51, 37, 0.05}, Case{1009, 7, 0.1}, Case{60, 1, 0}, Case{1, 60, 0}, Case{2, 3, 0}}) {
+      SCOPED_TRACE(one.name + " " + std::to_string(nx) + " x " + std::to_string(ny));
+      one.slm.grid = {nx, ny, test_pitch};
+      const Field field = drawn_field(one.slm.grid);
+      Heard of_whole, of_bands, of_resident;
+      const Hologram whole = encode(field, one.slm, on_device(one.params), of_whole.observer());
+      const double least = least_encode_memory(one.params, one.slm.grid, test_wavelength),
+                   all = encode_cost(one.params, one.slm.grid, test_wavelength).memory + 8.0 * nx * ny,
+                   memory = least + share * std::max(0.0, all - least);
+      const EncodeBands bands = encode_bands(one.params, one.slm.grid, test_wavelength, memory, memory);
+      ASSERT_TRUE(bands.fit());
+      if (share > 0) {
+        ASSERT_LT(bands.rows, ny);
+        ASSERT_EQ(bands.rows % 2, 0);
+      }
+      leave_memory(memory);
+      const Hologram banded = encode(field, one.slm, on_device(one.params), of_bands.observer());
+      device_.limit_memory(0);
+      EXPECT_EQ(banded.level.values, whole.level.values);
+      EXPECT_EQ(banded.modulus_level.values, whole.modulus_level.values);
+      EXPECT_NEAR(banded.illumination, whole.illumination, 1e-12 * whole.illumination);
+      EXPECT_EQ(banded.filter, whole.filter);
+      EXPECT_EQ(of_bands.warnings, of_whole.warnings);
+      ASSERT_EQ(of_bands.facts.size(), of_whole.facts.size());
+      for (const auto& [name, value] : of_whole.facts)
+        if (const double* number = std::get_if<double>(&value)) {
+          EXPECT_NEAR(of_bands.number(name), *number, 1e-12 * std::abs(*number)) << name;
+        }
+    }
+}
+
+// A field that is on the device, but leaves no room for what its encoder takes, returns and gives up its memory.
+TEST_P(EncodeOnDevices, FreeTheDeviceOfTheFieldForBands) {
+  const size_t before = device_.use().buffers;
+  for (const EncodeCase& one : encode_cases()) {
+    SCOPED_TRACE(one.name);
+    const Field field = drawn_field(one.slm.grid);
+    const Hologram whole = encode(there(field), one.slm, on_device(one.params));
+    const PlacedField light = there(field);
+    leave_memory(least_encode_memory(one.params, one.slm.grid, test_wavelength) - 8.0 * double(field.grid.pixels()));
+    EXPECT_EQ(encode(light, one.slm, on_device(one.params)).level.values, whole.level.values);
+    EXPECT_EQ(device_.use().buffers, before);
+    device_.limit_memory(0);
+  }
+}
+
+// What is transferred is what `auto` counts, and tables: 8 bytes per column for each band of a reference wave, and sums of rows,
+// up to a tenth of the rows of 200 samples, some 20 at a time; the counts of moduli, there and back.
+TEST_P(EncodeOnDevices, TransferBandsAsStated) {
   for (EncodeCase one : encode_cases()) {
     SCOPED_TRACE(one.name);
     one.slm.grid = {200, 150, test_pitch};
     const Field field = drawn_field(one.slm.grid);
-    Heard of_whole, of_bands;
-    const Hologram whole = encode(field, one.slm, on_device(one.params), of_whole.observer());
-    const double memory = 150e3;
-    leave_memory(memory);
+    constexpr double memory = 150e3;
     const EncodeBands bands = encode_bands(one.params, one.slm.grid, test_wavelength, memory, memory);
+    ASSERT_GE(bands.rows, 14);
     ASSERT_LT(bands.rows, 80);
-    ASSERT_EQ(bands.rows % 2, 0);
-    ASSERT_LT(bands.columns, 40);
+    leave_memory(memory);
     const DeviceUse before = device_.use();
-    const Hologram banded = encode(field, one.slm, on_device(one.params), of_bands.observer());
+    encode(field, one.slm, on_device(one.params));
     const DeviceUse after = device_.use();
     device_.limit_memory(0);
-    EXPECT_EQ(banded.level.values, whole.level.values);
-    EXPECT_EQ(banded.modulus_level.values, whole.modulus_level.values);
-    EXPECT_NEAR(banded.illumination, whole.illumination, 1e-12 * whole.illumination);
-    EXPECT_EQ(banded.filter, whole.filter);
-    EXPECT_EQ(of_bands.warnings, of_whole.warnings);
-    ASSERT_EQ(of_bands.facts.size(), of_whole.facts.size());
-    for (const auto& [name, value] : of_whole.facts)
-      if (const double* number = std::get_if<double>(&value)) {
-        EXPECT_NEAR(of_bands.number(name), *number, 1e-12 * std::abs(*number)) << name;
-      }
-    double expected = encode_cost(one.params, one.slm.grid, test_wavelength).of_bands;
+    double expected = encode_cost(one.params, one.slm.grid, test_wavelength).moved_in_bands;
     if (one.params.method == Encoding::double_phase)
       expected += 2 * sizeof(uint32_t) * (modulus_steps + 1) * std::ceil(150.0 / bands.rows);
     const double moved = double(after.bytes_in - before.bytes_in + after.bytes_out - before.bytes_out);
     EXPECT_GE(moved, expected);
-    EXPECT_LE(moved, 1.08 * expected);
+    EXPECT_LE(moved, 1.1 * expected);
+  }
+}
+
+TEST_P(EncodeOnDevices, GiveTheSameLevelsIfKernelsAreStartedInParts) {
+  for (const EncodeCase& one : encode_cases()) {
+    const Field field = drawn_field(one.slm.grid);
+    const Hologram expected = encode(field, one.slm, on_device(one.params));
+    device_.limit_groups(3);
+    const Hologram in_parts = encode(field, one.slm, on_device(one.params));
+    device_.limit_groups(0);
+    EXPECT_EQ(in_parts.level.values, expected.level.values) << one.name;
+    EXPECT_EQ(in_parts.modulus_level.values, expected.modulus_level.values) << one.name;
+    EXPECT_EQ(in_parts.illumination, expected.illumination) << one.name;
   }
 }
 
 TEST_P(EncodeOnDevices, NameASampleThatIsNotFiniteInAnyBand) {
   const EncodeCase one{"one"};
-  leave_memory(4e3);  // 4 rows of 416 bytes and more
+  leave_memory(4e3);  // six rows of 516 bytes
   for (const int row : {0, 20, 36}) {
     Field field = drawn_field(one.slm.grid);
     field.samples(row, 4) = {std::numeric_limits<float>::infinity(), 0};
@@ -282,10 +338,10 @@ TEST_P(EncodeOnDevices, SayThatABandDoesNotFit) {
   for (const EncodeCase& one : encode_cases()) {
     leave_memory(500);  // a row takes 400 bytes and those of its levels
     const std::string error = error_of([&] { encode(drawn_field(one.slm.grid), one.slm, on_device(one.params)); });
-    EXPECT_EQ(error.find("expected memory for two rows and a column of a field of " + std::to_string(one.slm.grid.nx) +
-                         " × 37 samples on the device "),
-              0u)
-        << error;
+    const double least = least_encode_memory(one.params, one.slm.grid, test_wavelength);
+    EXPECT_EQ(error, "expected " + format_bytes(least) + " of memory for bands of a field of " +
+                         std::to_string(one.slm.grid.nx) + " × 37 samples on the device " + device_.info().name +
+                         ", got 500 B; use a smaller panel, or the device cpu");
     make_device_fast(1e15);
     Heard heard;
     const Field field = drawn_field(one.slm.grid);
@@ -295,7 +351,8 @@ TEST_P(EncodeOnDevices, SayThatABandDoesNotFit) {
   }
 }
 
-// A field of 1850 samples goes there twice, 8 bytes each, and 2 of each level return: 0.333 s at 1e5 bytes/s.
+// A field of 1850 samples goes there twice, 8 bytes each, and 2 of each level return: 0.333 s at 1e5 bytes/s. Seven bands of six
+// rows start twice, and once more: 0.015 s.
 TEST_P(EncodeOnDevices, AreChosenByTheTransfersOfTheirBands) {
   const EncodeCase one{"one"};
   const int number = device_.info().number;
@@ -303,13 +360,13 @@ TEST_P(EncodeOnDevices, AreChosenByTheTransfersOfTheirBands) {
     return device.info().number == number ? DeviceRates{0, 1e5, 1e15} : DeviceRates();
   });
   leave_memory(4e3);
-  for (const double seconds : {0.32, 0.35}) {
+  for (const double seconds : {0.342, 0.354}) {
     SummationRates slow;
     slow.samples = 2 * 1850 / seconds / std::max(1U, std::thread::hardware_concurrency());
     set_summation_rates([slow] { return slow; });
     const size_t before = device_.use().kernels;
     encode(drawn_field(one.slm.grid), one.slm, automatic(one.params));
-    EXPECT_EQ(device_.use().kernels > before, seconds > 0.333) << seconds;
+    EXPECT_EQ(device_.use().kernels > before, seconds > 0.348) << seconds;
   }
 }
 
@@ -424,18 +481,19 @@ TEST_P(EncodeOnDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
     for (const double memory : {1e9, one.name == "double-phase" ? 48e3 : 8e3}) {  // as a whole, and in bands
       leave_memory(memory);
       const auto on_named = [&] { encode(field, one.slm, on_device(one.params)); };
-      const int faults = test::fail_each_call(memory < 1e6 ? 3 : 1, on_named, [&](const std::string& error) {
-        Heard heard;
-        std::map<std::string, int> told;
-        Observer observer = heard.observer();
-        observer.on_fact = [&](const std::string& name, const Fact&) { ++told[name]; };
-        const Hologram hologram = encode(field, one.slm, automatic(one.params), observer);
-        for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << name;
-        EXPECT_EQ(hologram.level.values, expected.level.values);
-        EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values);
-        ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1);
-        EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(), test::warning_after(error)), 1);
-      });
+      const int faults =
+          test::fail_every(memory < 1e6 && one.name != "off-axis" ? 3 : 1, on_named, [&](const std::string& error) {
+            Heard heard;
+            std::map<std::string, int> told;
+            Observer observer = heard.observer();
+            observer.on_fact = [&](const std::string& name, const Fact&) { ++told[name]; };
+            const Hologram hologram = encode(field, one.slm, automatic(one.params), observer);
+            for (const auto& [name, times] : told) EXPECT_EQ(times, 1) << name;
+            EXPECT_EQ(hologram.level.values, expected.level.values);
+            EXPECT_EQ(hologram.modulus_level.values, expected.modulus_level.values);
+            ASSERT_EQ(heard.warnings.size(), here.warnings.size() + 1);
+            EXPECT_EQ(std::count(heard.warnings.begin(), heard.warnings.end(), test::warning_after(error)), 1);
+          });
       EXPECT_GT(faults, 8);
       device_.limit_memory(0);
     }

@@ -222,7 +222,7 @@ TEST_P(ShowDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
   shown(one, on_device(one.params));  // compiles the kernels
   const Field expected = shown(one, one.params);
   const auto on_named = [&] { shown(one, on_device(one.params)); };
-  const int faults = test::fail_each_call(7, on_named, [&](const std::string& error) {
+  const int faults = test::fail_every(7, on_named, [&](const std::string& error) {
     Heard heard;
     EXPECT_EQ(shown(one, automatic(one.params), heard.observer()).samples.values, expected.samples.values);
     EXPECT_EQ(heard.warnings, std::vector{test::warning_after(error)});

@@ -274,7 +274,7 @@ TEST_P(DevicePlanesTest, ReleaseTheirMemoryWhereverTheyFail) {
   const Sources sources = drawn_sources(20);
   const PlanesPlan plan{240, 4, 2, 1, true, false};
   sum_on(device_, sources, plan);
-  EXPECT_GT(test::fail_each_call(1, [&] { sum_on(device_, sources, plan); }), 20);
+  EXPECT_GT(test::fail_every(1, [&] { sum_on(device_, sources, plan); }), 20);
 }
 
 #endif

@@ -220,7 +220,7 @@ TEST_P(BandedPropagationTest, ReleasesItsMemoryWhereverItFails) {
     params.pitch = c.pitch;
     const auto host = std::make_shared<Propagator<float>>(make_propagator<float>(field_.grid, 532_nm, 0.03_m, params));
     leave_memory(c.memory);
-    EXPECT_GT(test::fail_each_call(c.step, [&] { BandedPropagation(device_, host)(field_); }), 4);
+    EXPECT_GT(test::fail_every(c.step, [&] { BandedPropagation(device_, host)(field_); }), 4);
     device_.limit_memory(0);
   }
 }

@@ -10,7 +10,7 @@ namespace {
 
 // Calls write(band, its first row, its levels) for each band.
 template <class Write>
-void write_bands(const BandedField& field, Array2D<uint16_t>& to, const Write& write) {
+void write_bands(const BandedSamples& field, Array2D<uint16_t>& to, const Write& write) {
   for_each_band(field, [&](DeviceField& band, int first) {
     Array2D<uint16_t> levels(band.head.grid.ny, to.nx);
     write(band, first, levels);
@@ -18,7 +18,7 @@ void write_bands(const BandedField& field, Array2D<uint16_t>& to, const Write& w
   });
 }
 
-ShownPixels<DeviceField> shown_in(const ShownPixels<BandedField>& shown, const DeviceField& band) {
+ShownPixels<DeviceField> shown_in(const ShownPixels<BandedSamples>& shown, const DeviceField& band) {
   return {band, shown.moments, shown.is_conjugate};
 }
 
@@ -33,7 +33,7 @@ Interference interference_in(const Interference& all, const DeviceField& band, i
 
 }  // namespace
 
-ModulusMoments modulus_moments(const BandedField& field) {
+ModulusMoments modulus_moments(const BandedSamples& field) {
   ModulusMoments all;
   for_each_band(field, [&](DeviceField& band, int) {
     const ModulusMoments of_band = modulus_moments(band);
@@ -45,7 +45,7 @@ ModulusMoments modulus_moments(const BandedField& field) {
   return all;
 }
 
-std::vector<int64_t> count_moduli(const BandedField& field, double largest, int steps) {
+std::vector<int64_t> count_moduli(const BandedSamples& field, double largest, int steps) {
   std::vector<int64_t> counts(size_t(steps) + 1);
   for_each_band(field, [&](DeviceField& band, int) {
     const std::vector<int64_t> of_band = count_moduli(band, largest, steps);
@@ -54,41 +54,42 @@ std::vector<int64_t> count_moduli(const BandedField& field, double largest, int 
   return counts;
 }
 
-double clip_moduli(BandedField& field, double top) {
+double clip_moduli(BandedSamples& field, double top) {
   double clipped = 0;
   for_each_band(field, [&](DeviceField& band, int) { clipped += clip_moduli(band, top); });
   field.top = top;
   return clipped;
 }
 
-void write_phase_levels(const BandedField& field, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to) {
+void write_phase_levels(const BandedSamples& field, bool is_conjugate, const PhaseLevels& levels,
+                        Array2D<uint16_t>& to) {
   write_bands(field, to, [&](const DeviceField& band, int, Array2D<uint16_t>& there) {
     write_phase_levels(band, is_conjugate, levels, there);
   });
 }
 
-void write_amplitude_levels(const BandedField& field, double largest, int levels, Array2D<uint16_t>& to) {
+void write_amplitude_levels(const BandedSamples& field, double largest, int levels, Array2D<uint16_t>& to) {
   write_bands(field, to, [&](const DeviceField& band, int, Array2D<uint16_t>& there) {
     write_amplitude_levels(band, largest, levels, there);
   });
 }
 
 // Bands begin at even rows, where the chessboard of double phases does.
-void write_double_phase_levels(const Scaled<BandedField>& inside, bool is_conjugate, const PhaseLevels& levels,
+void write_double_phase_levels(const Scaled<BandedSamples>& inside, bool is_conjugate, const PhaseLevels& levels,
                                Array2D<uint16_t>& to) {
   write_bands(inside.light, to, [&](DeviceField& band, int, Array2D<uint16_t>& there) {
     write_double_phase_levels(ScaledField{std::move(band), inside.scale}, is_conjugate, levels, there);
   });
 }
 
-void write_binary_levels(const ShownPixels<BandedField>& shown, const ReferenceWave& wave, const BinaryPair& pair,
+void write_binary_levels(const ShownPixels<BandedSamples>& shown, const ReferenceWave& wave, const BinaryPair& pair,
                          Array2D<uint16_t>& to) {
   write_bands(shown.field, to, [&](const DeviceField& band, int first, Array2D<uint16_t>& there) {
     write_binary_levels(shown_in(shown, band), wave_in(wave, band, first), pair, there);
   });
 }
 
-IrradianceRange irradiance_range(const ShownPixels<BandedField>& shown, const Interference& interference) {
+IrradianceRange irradiance_range(const ShownPixels<BandedSamples>& shown, const Interference& interference) {
   constexpr double none = std::numeric_limits<double>::infinity();
   IrradianceRange range{none, -none};
   for_each_band(shown.field, [&](const DeviceField& band, int first) {
@@ -98,7 +99,7 @@ IrradianceRange irradiance_range(const ShownPixels<BandedField>& shown, const In
   return range;
 }
 
-void write_irradiance_levels(const ShownPixels<BandedField>& shown, const Interference& interference,
+void write_irradiance_levels(const ShownPixels<BandedSamples>& shown, const Interference& interference,
                              const Transmittances& transmittances, int levels, Array2D<uint16_t>& to) {
   write_bands(shown.field, to, [&](const DeviceField& band, int first, Array2D<uint16_t>& there) {
     write_irradiance_levels(shown_in(shown, band), interference_in(interference, band, first), transmittances, levels,

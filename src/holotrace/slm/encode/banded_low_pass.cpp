@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/base/threads.h"
 #include "holotrace/slm/encode/low_pass_lines.h"
 
 namespace holotrace {
@@ -22,7 +21,7 @@ struct RowSpectra {
   Array2D<Complex> rows;
 };
 
-RowSpectra spectra_of_rows(const ShownPixels<BandedField>& shown, const SpectralFilter& stop, LineTransforms& lines) {
+RowSpectra spectra_of_rows(const ShownPixels<BandedSamples>& shown, const SpectralFilter& stop, LineTransforms& lines) {
   Device& device = *shown.field.device;
   const Grid& grid = grid_of(shown.field);
   RowSpectra spectra{grid, pass_band(grid, stop), unit_for(shown.moments.largest), {}};
@@ -39,15 +38,15 @@ RowSpectra spectra_of_rows(const ShownPixels<BandedField>& shown, const Spectral
 
 // Copies columns of a matrix into a matrix of their own, or back.
 void take_columns(const Array2D<Complex>& from, int first, int count, std::vector<Complex>& to) {
-  parallel_for(0, from.ny, [&](int64_t j) { std::copy_n(from.row(int(j)) + first, count, to.begin() + j * count); });
+  for (int j = 0; j < from.ny; ++j) std::copy_n(from.row(j) + first, count, to.begin() + int64_t(j) * count);
 }
 void put_columns(const std::vector<Complex>& from, int first, int count, Array2D<Complex>& to) {
-  parallel_for(0, to.ny, [&](int64_t j) { std::copy_n(from.begin() + j * count, count, to.row(int(j)) + first); });
+  for (int j = 0; j < to.ny; ++j) std::copy_n(from.begin() + int64_t(j) * count, count, to.row(j) + first);
 }
 
 // Transforms the columns, as many at a time as fit: to their frequencies, of which those within the stop remain, and, if they
 // are to return, back. Returns Σ|bin|² within the stop.
-double pass_columns(const BandedField& field, LineTransforms& lines, bool return_them, RowSpectra& spectra) {
+double pass_columns(const BandedSamples& field, LineTransforms& lines, bool return_them, RowSpectra& spectra) {
   Device& device = *field.device;
   const auto& [grid, pass, unit, rows] = spectra;
   const int most = field.bands.columns;
@@ -77,8 +76,8 @@ double pass_columns(const BandedField& field, LineTransforms& lines, bool return
 
 }  // namespace
 
-Scaled<BandedField> within_stop(const ShownPixels<BandedField>& shown, const SpectralFilter& stop,
-                                const Observer& observer) {
+Scaled<BandedSamples> within_stop(const ShownPixels<BandedSamples>& shown, const SpectralFilter& stop,
+                                  const Observer& observer) {
   Device& device = *shown.field.device;
   const auto lock = device.lock();
   LineTransforms lines(device);
@@ -99,7 +98,7 @@ Scaled<BandedField> within_stop(const ShownPixels<BandedField>& shown, const Spe
   return {{&device, light, shown.field.bands}, unit * double(grid.pixels())};
 }
 
-double power_inside(const ShownPixels<BandedField>& shown, const SpectralFilter& filter) {
+double power_inside(const ShownPixels<BandedSamples>& shown, const SpectralFilter& filter) {
   const auto lock = shown.field.device->lock();
   LineTransforms lines(*shown.field.device);
   RowSpectra spectra = spectra_of_rows(shown, filter, lines);

@@ -9,11 +9,13 @@
 
 namespace holotrace {
 
-/// Transfers: 8 bytes per sample to the device and back; the spectrum within the stop twice in each direction.
-Scaled<BandedField> within_stop(const ShownPixels<BandedField>& shown, const SpectralFilter& stop,
-                                const Observer& observer);
+/// Transfers: 8 bytes per sample to the device and back; the columns of the spectrum within the stop, all of
+/// their rows, twice in each direction.
+Scaled<BandedSamples> within_stop(const ShownPixels<BandedSamples>& shown, const SpectralFilter& stop,
+                                  const Observer& observer);
 
-/// Transfers: 8 bytes per sample to the device; the spectrum within the stop back, and there again.
-double power_inside(const ShownPixels<BandedField>& shown, const SpectralFilter& filter);
+/// Transfers: 8 bytes per sample to the device; the columns of the spectrum within the stop, all of
+/// their rows, back and there again.
+double power_inside(const ShownPixels<BandedSamples>& shown, const SpectralFilter& filter);
 
 }  // namespace holotrace

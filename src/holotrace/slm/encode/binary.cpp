@@ -53,7 +53,7 @@ template void encode_binary(const ShownPixels<Field>&, const PhaseLevels&, const
                             Hologram&);
 template void encode_binary(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                             Hologram&);
-template void encode_binary(const ShownPixels<BandedField>&, const PhaseLevels&, const EncodeParams&, const Observer&,
+template void encode_binary(const ShownPixels<BandedSamples>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                             Hologram&);
 
 }  // namespace holotrace

@@ -90,7 +90,7 @@ LowPassCost low_pass_cost(const Grid& grid, const SpectralFilter& stop) {
 LowPassCost power_inside_cost(const Grid& grid, const SpectralFilter& filter) {
   const double pixels = double(grid.pixels()), columns = pass_band(grid, filter).x.count;
   LowPassCost cost;
-  cost.memory = bytes_of_bin * (2 * columns * grid.ny + 3.0 * (grid.nx + grid.ny));
+  cost.memory = bytes_of_bin * 2 * columns * grid.ny;
   cost.moved = bytes_of_bin * (pixels + 6 * columns * grid.ny);
   return cost;
 }

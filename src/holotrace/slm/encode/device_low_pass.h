@@ -44,7 +44,7 @@ double normalise_modulus(double clipped_pixels, const Observer& observer, Scaled
 /// The fraction of the field's power in the band |u| ≤ half_u, |v| ≤ half_v, within 1e-6. Transfers: as within_stop.
 double power_inside(const ShownPixels<DeviceField>& shown, const SpectralFilter& filter);
 
-/// Memory of within_stop on the device, with its result, and what its kernels read and write [bytes].
+/// Memory of within_stop on the device, with its result but without tables of rows and columns, and what its kernels read and write [bytes].
 struct LowPassCost {
   double memory = 0, moved = 0;
 };

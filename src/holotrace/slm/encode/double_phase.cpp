@@ -40,7 +40,7 @@ template void encode_double_phase(const ShownPixels<Field>&, const PhaseLevels&,
                                   Hologram&);
 template void encode_double_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&,
                                   const Observer&, Hologram&);
-template void encode_double_phase(const ShownPixels<BandedField>&, const PhaseLevels&, const EncodeParams&,
+template void encode_double_phase(const ShownPixels<BandedSamples>&, const PhaseLevels&, const EncodeParams&,
                                   const Observer&, Hologram&);
 
 }  // namespace holotrace

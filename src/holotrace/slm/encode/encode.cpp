@@ -67,7 +67,7 @@ Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& para
   return {std::move(hologram), std::move(levels)};
 }
 
-// Levels of a DeviceField or BandedField; none if a sample is not finite, which the processor names.
+// Levels of a DeviceField or BandedSamples; none if a sample is not finite, which the processor names.
 template <class AnyField>
 std::optional<Hologram> encode_there(const AnyField& field, const Begun& begun, const EncodeParams& params,
                                      const Observer& observer) {
@@ -96,16 +96,17 @@ std::optional<Hologram> encode_on(Device& device, const PlacedField& field, cons
     make_room(device, encode_cost(params, head.grid, head.wavelength).memory);
     return encode_there(*there, begun, params, observer);
   }
-  BandedField banded{&device, field.on_processor(observer), {}};
+  BandedSamples banded{&device, field.only_on_processor(observer), {}};
   const auto lock = device.lock();
   make_room(device, device.memory());
   const double left = std::max(0.0, device.memory_left());
   banded.bands = encode_bands(params, head.grid, head.wavelength, left, device.info().largest_buffer);
   require(
       banded.bands.fit(),
-      "expected memory for two rows and a column of a field of {} × {} samples on the device {}, got {} that are free; "
-      "close other programs that use it, or use the device cpu",
-      head.grid.nx, head.grid.ny, device.info().name, format_bytes(left));
+      "expected {} of memory for bands of a field of {} × {} samples on the device {}, got {}; use a smaller panel, or "
+      "the device cpu",
+      format_bytes(least_encode_memory(params, head.grid, head.wavelength)), head.grid.nx, head.grid.ny,
+      device.info().name, format_bytes(left));
   return encode_there(banded, begun, params, observer);
 }
 

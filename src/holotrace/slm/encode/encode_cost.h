@@ -7,12 +7,13 @@
 namespace holotrace {
 
 /// What an encoder of encodes_on_devices takes: operations of the processor; on a device, the bytes that its kernels read
-/// and write, those that return, and the memory beside the field. If it goes there band by band (banded_field.h), the bytes of
-/// all bands that go there and return.
+/// and write, those that return, and the memory beside the field. If it goes there band by band (banded_samples.h), the
+/// bytes of all bands that go there and return, without tables.
 struct EncodeCost {
   SummationWork on_processor;
   double moved = 0, returned = 0, memory = 0;
-  double of_bands = 0;
+  double moved_in_bands = 0;
+  double passes = 0;  ///< over all bands of rows
 };
 
 /// @throws Error  for a reference that is too steep for the pitch (off_axis.h)

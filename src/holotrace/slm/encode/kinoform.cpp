@@ -73,12 +73,12 @@ void encode_complex(const ShownPixels<AnyField>& shown, const PhaseLevels& level
 
 template void encode_phase(const ShownPixels<Field>&, const PhaseLevels&, Hologram&);
 template void encode_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, Hologram&);
-template void encode_phase(const ShownPixels<BandedField>&, const PhaseLevels&, Hologram&);
+template void encode_phase(const ShownPixels<BandedSamples>&, const PhaseLevels&, Hologram&);
 template void encode_amplitude(const ShownPixels<Field>&, const Observer&, Hologram&);
 template void encode_amplitude(const ShownPixels<DeviceField>&, const Observer&, Hologram&);
-template void encode_amplitude(const ShownPixels<BandedField>&, const Observer&, Hologram&);
+template void encode_amplitude(const ShownPixels<BandedSamples>&, const Observer&, Hologram&);
 template void encode_complex(const ShownPixels<Field>&, const PhaseLevels&, const Observer&, Hologram&);
 template void encode_complex(const ShownPixels<DeviceField>&, const PhaseLevels&, const Observer&, Hologram&);
-template void encode_complex(const ShownPixels<BandedField>&, const PhaseLevels&, const Observer&, Hologram&);
+template void encode_complex(const ShownPixels<BandedSamples>&, const PhaseLevels&, const Observer&, Hologram&);
 
 }  // namespace holotrace

@@ -5,7 +5,7 @@
 #include "holotrace/wave/transform/line_transform.h"
 
 // The transforms of a field limited to a stop, on an OpenCL device: along rows, then along columns, and back. Only
-// frequencies that pass are between them. Neither way scales.
+// frequencies that pass are between them. The transforms do not divide by the number of samples.
 
 namespace holotrace {
 

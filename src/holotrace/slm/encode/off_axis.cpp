@@ -121,7 +121,7 @@ void encode_off_axis(const ShownPixels<AnyField>& shown, const EncodeParams& par
 
 template void encode_off_axis(const ShownPixels<Field>&, const EncodeParams&, const Observer&, Hologram&);
 template void encode_off_axis(const ShownPixels<DeviceField>&, const EncodeParams&, const Observer&, Hologram&);
-template void encode_off_axis(const ShownPixels<BandedField>&, const EncodeParams&, const Observer&, Hologram&);
+template void encode_off_axis(const ShownPixels<BandedSamples>&, const EncodeParams&, const Observer&, Hologram&);
 
 void tell_band_power(double inside, const Hologram& hologram, bool with_bias, const Observer& observer) {
   observer.fact("band_power", Fact(inside));

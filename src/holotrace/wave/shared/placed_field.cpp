@@ -102,6 +102,12 @@ std::shared_ptr<const Field> PlacedField::on_processor(const Observer& observer)
   return state_->keep((*places.again)({observer.on_progress, {}, observer.on_warning}), true);
 }
 
+std::shared_ptr<const Field> PlacedField::only_on_processor(const Observer& observer) const {
+  auto here = on_processor(observer);
+  state_->keep(std::shared_ptr<const DeviceField>());
+  return here;
+}
+
 bool PlacedField::is_on(const Device& device) const {
   const auto there = state_->places().there;
   return there && there->device == &device;

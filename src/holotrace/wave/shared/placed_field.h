@@ -41,6 +41,9 @@ class PlacedField {
   /// Whether its samples are on that device.
   bool is_on(const Device& device) const;
 
+  /// The same. Samples on a device are given up; their memory is free unless others still use them.
+  std::shared_ptr<const Field> only_on_processor(const Observer& observer = {}) const;
+
   /// The field on a device, where all that is kept for later makes room for it (make_room, device_room.h).
   /// @throws Error  as send and on_processor do
   std::shared_ptr<const DeviceField> on(Device& device, const Observer& observer = {}) const;

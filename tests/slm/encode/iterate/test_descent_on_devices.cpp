@@ -136,7 +136,7 @@ TEST_P(DescentDevices, ReleaseTheirMemoryAfterAnyFault) {
   one_.params.iterations = 1;
   one_.has_views = true;
   found(one_, on_device(one_.params));  // compiles the kernels
-  EXPECT_GT(test::fail_each_call(50, [&] { found(one_, on_device(one_.params)); }), 5);
+  EXPECT_GT(test::fail_every(50, [&] { found(one_, on_device(one_.params)); }), 5);
 }
 
 // Under `auto` the processor takes over whichever call fails, those that keep the state between updates included. It goes

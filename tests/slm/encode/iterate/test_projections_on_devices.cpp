@@ -279,7 +279,7 @@ TEST_P(ProjectionDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
   encoded(one_, on_device(one_.params));  // compiles the kernels
   const Hologram expected = encoded(one_, one_.params);
   const auto on_named = [&] { encoded(one_, on_device(one_.params)); };
-  const int faults = test::fail_each_call(23, on_named, [&](const std::string& error) {
+  const int faults = test::fail_every(23, on_named, [&](const std::string& error) {
     Heard heard;
     Hologram hologram;
     EXPECT_EQ(error_of([&] { hologram = encoded(one_, automatic(one_.params), heard.observer()); }), "no error");

@@ -25,18 +25,25 @@ struct EncodeBands {
 EncodeBands encode_bands(const EncodeParams& params, const Grid& grid, double wavelength, double memory,
                          double largest);
 
+/// The memory that the smallest bands need: two rows, or a column [bytes].
+double least_encode_memory(const EncodeParams& params, const Grid& grid, double wavelength);
+
+/// Memory for tables of rows and columns, with a spectrum: scales or a reference wave, roots of unity, and two lines that a
+/// transform works on; counts of moduli [bytes].
+double encode_table_bytes(const EncodeParams& params, const Grid& grid, double wavelength);
+
 /// A field on the processor whose rows go to an OpenCL device band by band, because the whole does not fit there. Its
 /// encoders give the bytes of a field that fits (ShownPixels).
-struct BandedField {
+struct BandedSamples {
   Device* device = nullptr;
   std::shared_ptr<const Field> field;
   EncodeBands bands;
   std::optional<double> top{};  ///< rows arrive scaled to moduli of at most 1 by clip_moduli(band, top)
 };
 
-inline const Grid& grid_of(const BandedField& field) { return field.field->grid; }
+inline const Grid& grid_of(const BandedSamples& field) { return field.field->grid; }
 
 /// Calls work(band, its first row) for each band from the top, under the device's lock. Transfer: 8 bytes per sample.
-void for_each_band(const BandedField& field, const std::function<void(DeviceField& band, int first)>& work);
+void for_each_band(const BandedSamples& field, const std::function<void(DeviceField& band, int first)>& work);
 
 }  // namespace holotrace
