@@ -268,7 +268,7 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind)
   const std::vector<double> lifts = light_lifts(scene, precision_);
   for (size_t i = 0; i < lifts.size(); ++i) lifts_[size_t(self.lamps[i].light)] = lifts[i];
   if (kind == Acceleration::grid) {
-    self.grid.emplace(scene);
+    self.grid.emplace(scene, lifts);
     return;
   }
   self.build(lifts);
