@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "holotrace/base/instruction_set.h"
 #include "holotrace/base/random.h"
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/shared/sampling.h"
@@ -163,7 +164,7 @@ TEST(Accelerator, NoRayAimedAtAnEdgeAndFewRandomRaysPassBetweenTriangles) {
   EXPECT_LE(passed, 10);
 }
 
-TEST(Accelerator, RaysAskedTogetherAreOccludedAsSingleOnes) {
+TEST(Accelerator, RaysAskedTogetherAreOccludedAsSingleOnesOnEveryInstructionSet) {
   Scene scene;
   scene.materials = {grey(0.5)};
   scene.meshes = {make_round_mesh({0, 0, -0.3}, 20_mm, 12), make_wall(-0.35, 10_mm, 10_mm)};
@@ -189,7 +190,11 @@ TEST(Accelerator, RaysAskedTogetherAreOccludedAsSingleOnes) {
         if (asked >> i & 1)
           expected |= uint32_t(accelerator.is_occluded({origin[i], direction[i]}, distance[i], Aim::random)) << i;
       for (const bool are_near : {true, false})
-        EXPECT_EQ(accelerator.occluded({origin, direction, distance}, asked, Aim::random, are_near), expected);
+        for (const std::string& name : instruction_sets()) {
+          const OnInstructionSet only(name);
+          EXPECT_EQ(accelerator.occluded({origin, direction, distance}, asked, Aim::random, are_near), expected)
+              << name << ", trial " << trial;
+        }
       hidden += std::popcount(expected), seen += std::popcount(asked & ~expected);
     }
     EXPECT_GT(hidden, 300);
