@@ -148,6 +148,26 @@ TEST(DiffuseLanes, OfEmissiveTrianglesAreThoseOfSinglePathsOnEveryInstructionSet
   }
 }
 
+// From so near its plane the density of a place is above the largest number, and its weight would be ∞/∞.
+TEST(DiffuseLanes, ARectangleSeenEdgeOnIsDarkOnEveryInstructionSet) {
+  const LightLanes lanes = lanes_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}, true}, 1e-5);
+  PlaceLanes places;
+  for (size_t i = 0; i < most_together; ++i) places.set(i, {double(i) / most_together, 0.5});
+  DiffuseSurfaces at;
+  at.count = most_together;
+  at.position.fill({2, 0, 1e-310});
+  at.start.fill({2, 0, 1e-310});
+  at.normal.fill({-1, 0, 0});
+  at.geometric_normal.fill({-1, 0, 0});
+  at.clearance.fill(0);
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    LightSamples samples;
+    sample_lights(at, lanes, places, {}, samples);
+    for (size_t i = 0; i < most_together; ++i) EXPECT_EQ(samples.share[i], 0) << name << ", path " << i;
+  }
+}
+
 TEST(DiffuseLanes, DirectionsAreThoseOfSinglePathsOnEveryInstructionSet) {
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet only(name);
