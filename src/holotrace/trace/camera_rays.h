@@ -20,7 +20,7 @@ PathScene make_path_scene(const Scene& scene, const RenderParams& params);
 Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
                     std::span<Vec3> sums, PathCounts& counts);
 
-/// The sum of radiance_along over several rays; much faster than one by one where surfaces are diffuse.
+/// The sum of radiance_along over up to most_together rays; much faster than one by one where surfaces are diffuse.
 /// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
 Vec3 radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
                     LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts);

@@ -66,6 +66,11 @@ OneSample finish_one(const DiffuseSurfaces& at, size_t i, const LightSample& way
 
 struct Found {
   int lit = 0, unlit = 0;
+
+  void expect_many_of_both() const {
+    EXPECT_GT(lit, 300);
+    EXPECT_GT(unlit, 300);
+  }
 };
 
 void expect_same(const LightSamples& samples, size_t i, const OneSample& one, Found& found) {
@@ -75,6 +80,16 @@ void expect_same(const LightSamples& samples, size_t i, const OneSample& one, Fo
   // Rounding of a few sums of numbers of order 1; at grazing angles of a hundredth a hundred times as much.
   EXPECT_NEAR(samples.distance[i], one.distance, 1e-13);
   EXPECT_LT(length(samples.direction[i] * samples.distance[i] - one.direction * one.distance), 1e-13);
+}
+
+// way_of(i) is the sample of path i by itself.
+template <class WayOf>
+void expect_as_one_by_one(const DiffuseSurfaces& at, const LightLanes& lanes, const PlaceLanes& places, Vec3 centre,
+                          Found& found, const WayOf& way_of) {
+  LightSamples samples;
+  sample_lights(at, lanes, places, centre, samples);
+  for (size_t i = 0; i < size_t(at.count); ++i)
+    expect_same(samples, i, finish_one(at, i, way_of(i), lanes.lift, centre), found);
 }
 
 TEST(DiffuseLanes, OfARectangleAreThoseOfSinglePathsOnEveryInstructionSet) {
@@ -89,17 +104,12 @@ TEST(DiffuseLanes, OfARectangleAreThoseOfSinglePathsOnEveryInstructionSet) {
       PlaceLanes places;
       for (size_t i = 0; i < most_together; ++i) places.set(i, {numbers.bits() * 0x1p-32, numbers.bits() * 0x1p-32});
       places.u[0] = 0, places.v[1] = 1 - 0x1p-32;
-      const Vec3 centre = numbers.vector(0.1);
-      LightSamples samples;
-      sample_lights(at, lanes, places, centre, samples);
-      for (size_t i = 0; i < size_t(at.count); ++i) {
-        SCOPED_TRACE(name + ", trial " + std::to_string(trial));
-        const LightSample way = sample_light(light, at.position[i], {places.u[i], places.v[i]});
-        expect_same(samples, i, finish_one(at, i, way, lanes.lift, centre), found);
-      }
+      SCOPED_TRACE(name + ", trial " + std::to_string(trial));
+      expect_as_one_by_one(at, lanes, places, numbers.vector(0.1), found, [&](size_t i) {
+        return sample_light(light, at.position[i], {places.u[i], places.v[i]});
+      });
     }
-    EXPECT_GT(found.lit, 300);
-    EXPECT_GT(found.unlit, 300);
+    found.expect_many_of_both();
   }
 }
 
@@ -125,20 +135,36 @@ TEST(DiffuseLanes, OfEmissiveTrianglesAreThoseOfSinglePathsOnEveryInstructionSet
         u[i] = {numbers.bits() * 0x1p-32, numbers.bits() * 0x1p-32};
         lamps.select(u[i], i, lanes, places);
       }
-      const Vec3 centre = numbers.vector(0.1);
-      LightSamples samples;
-      sample_lights(at, lanes, places, centre, samples);
-      for (size_t i = 0; i < size_t(at.count); ++i) {
-        SCOPED_TRACE(name + ", trial " + std::to_string(trial));
+      SCOPED_TRACE(name + ", trial " + std::to_string(trial));
+      expect_as_one_by_one(at, lanes, places, numbers.vector(0.1), found, [&](size_t i) {
         const LightSample way = lamps.sample(at.position[i], u[i]);
-        expect_same(samples, i, finish_one(at, i, way, 0, centre), found);
         if (way.radiance.x > 0) {
           EXPECT_EQ(lanes.radiance[i], way.radiance);
         }
-      }
+        return way;
+      });
     }
-    EXPECT_GT(found.lit, 300);
-    EXPECT_GT(found.unlit, 300);
+    found.expect_many_of_both();
+  }
+}
+
+// From so near its plane the density of a place is above the largest number, and its weight would be ∞/∞.
+TEST(DiffuseLanes, ARectangleSeenEdgeOnIsDarkOnEveryInstructionSet) {
+  const LightLanes lanes = lanes_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}, true}, 1e-5);
+  PlaceLanes places;
+  for (size_t i = 0; i < most_together; ++i) places.set(i, {double(i) / most_together, 0.5});
+  DiffuseSurfaces at;
+  at.count = most_together;
+  at.position.fill({2, 0, 1e-310});
+  at.start.fill({2, 0, 1e-310});
+  at.normal.fill({-1, 0, 0});
+  at.geometric_normal.fill({-1, 0, 0});
+  at.clearance.fill(0);
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    LightSamples samples;
+    sample_lights(at, lanes, places, {}, samples);
+    for (size_t i = 0; i < most_together; ++i) EXPECT_EQ(samples.share[i], 0) << name << ", path " << i;
   }
 }
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "holotrace/trace/shared/lanes.h"
+#include "support/error_of.h"
 #include "trace/follow.h"
 
 namespace holotrace {
@@ -130,6 +132,22 @@ TEST(Path, PathsThatLeaveBringTheBackground) {
   const Statistics radiance = follow(scene, {{0, 0, 0}, {0, 0, -1}}, 10000, unlimited, counts);
   EXPECT_NEAR(radiance.mean(), 0.6 * 2, 1e-12);  // a white sky on albedo 0.6; rounding: all paths find it
   EXPECT_EQ(counts.escaped + counts.absorbed, counts.paths);
+}
+
+TEST(Path, MoreRaysThanAreFollowedTogetherAreAnError) {
+  Scene scene;
+  scene.materials = {grey(0.6)};
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const PathScene path_scene(scene, Lines{}, {}, {});
+  const std::vector<NumberedRay> rays(most_together + 1, {{{}, {0, 0, -1}}, 0});
+  LowDiscrepancy numbers(1, 0, 0);
+  numbers.start(0);
+  Vec3 sum;
+  PathCounts counts;
+  EXPECT_EQ(error_of([&] {
+              add_radiance(path_scene, rays, 0, numbers, {&sum, 1}, counts);
+            }),
+            "expected at most 16 rays that are followed together, got 17");
 }
 
 }  // namespace

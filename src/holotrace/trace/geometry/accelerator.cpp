@@ -13,6 +13,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/geometry/ray_packet.h"
 #include "holotrace/trace/geometry/scene_checks.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
 
@@ -161,7 +162,7 @@ struct Accelerator::Implementation {
   /// The part of a ray inside the sphere in Embree's coordinates, and the length before it, in units.
   /// False for a ray that misses the sphere.
   bool enter(const Ray& ray, double limit, RTCRay& out, double& skipped) const {
-    const double size = 1.001 * radius;
+    const double size = sphere_margin * radius;
     Vec3 origin = (ray.origin - precision.centre) * per_unit;
     double end = limit * per_unit;
     skipped = 0;
@@ -253,6 +254,13 @@ void write_down(const RTCRay& ray, bool is_shadow, Aim aim, std::vector<LoggedRa
   log.push_back({{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar, is_shadow, aim});
 }
 
+void write_down(const RayPacket& packet, Aim aim, std::vector<LoggedRay>& log) {
+  const RTCRay16& r = packet.rays;
+  for (size_t i = 0; i < packet.valid.size(); ++i)
+    if (packet.valid[i])
+      log.push_back({{r.org_x[i], r.org_y[i], r.org_z[i]}, {r.dir_x[i], r.dir_y[i], r.dir_z[i]}, r.tfar[i], true, aim});
+}
+
 }  // namespace
 
 Accelerator::Accelerator(const Scene& scene, Acceleration kind)
@@ -268,7 +276,7 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind)
   const std::vector<double> lifts = light_lifts(scene, precision_);
   for (size_t i = 0; i < lifts.size(); ++i) lifts_[size_t(self.lamps[i].light)] = lifts[i];
   if (kind == Acceleration::grid) {
-    self.grid.emplace(scene);
+    self.grid.emplace(scene, lifts);
     return;
   }
   self.build(lifts);
@@ -317,7 +325,7 @@ double Accelerator::rounding_at_end(const Ray& ray, double distance) const {
   if (!std::isfinite(distance)) return 0;
   const Vec3 start = ray.origin - precision_.centre, end = start + ray.direction * distance;
   const double from_start = std::min(precision_.radius * precision_.radius, dot(start, start));
-  return 2e-6 * std::sqrt(std::max(std::max(dot(end, end), from_start), precision_.unit * precision_.unit));
+  return end_rounding * std::sqrt(std::max(std::max(dot(end, end), from_start), precision_.unit * precision_.unit));
 }
 
 bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
@@ -345,27 +353,14 @@ uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bo
     }
     return bits;
   }
-  alignas(64) std::array<int, most_together> valid{};
-  RTCRay16 packet{};  // Embree with assertions looks at all rays, not only at valid ones
-  for (uint32_t left = asked; left; left &= left - 1) {
-    const auto i = size_t(std::countr_zero(left));
-    const Ray ray{rays.origin[i], rays.direction[i]};
-    const double end = rays.distance[i] - rounding_at_end(ray, rays.distance[i]);
-    RTCRay query;
-    double skipped;
-    if (!(end > 0) || !self.enter(ray, end, query, skipped)) continue;
-    if (log_) write_down(query, true, aim, *log_);
-    valid[i] = -1;
-    packet.org_x[i] = query.org_x, packet.org_y[i] = query.org_y, packet.org_z[i] = query.org_z;
-    packet.dir_x[i] = query.dir_x, packet.dir_y[i] = query.dir_y, packet.dir_z[i] = query.dir_z;
-    packet.tnear[i] = 0, packet.tfar[i] = query.tfar;
-    packet.time[i] = 0, packet.mask[i] = ~0U, packet.id[i] = 0, packet.flags[i] = 0;
-  }
+  RayPacket packet;
+  fill_packet(rays, asked, precision_, packet);
+  if (log_) write_down(packet, aim, *log_);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded16(valid.data(), self.tree_for(aim), &context, &packet);
-  for (size_t i = 0; i < valid.size(); ++i)
-    if (valid[i] && packet.tfar[i] < 0) bits |= 1U << i;
+  rtcOccluded16(packet.valid.data(), self.tree_for(aim), &context, &packet.rays);
+  for (size_t i = 0; i < packet.valid.size(); ++i)
+    if (packet.valid[i] && packet.rays.tfar[i] < 0) bits |= 1U << i;
   return bits;
 }
 

@@ -159,6 +159,10 @@ std::vector<double> light_lifts(const Scene& scene, const ScenePrecision& precis
   return lifts;
 }
 
+std::vector<double> light_lifts(const Scene& scene) {
+  return light_surfaces(scene).empty() ? std::vector<double>{} : light_lifts(scene, precision_of(scene));
+}
+
 Mesh lifted(const LightSurface& surface, double lift) {
   Mesh mesh = surface.mesh;
   auto& p = mesh.positions;
@@ -167,11 +171,9 @@ Mesh lifted(const LightSurface& surface, double lift) {
   return mesh;
 }
 
-std::vector<Mesh> lifted_light_surfaces(const Scene& scene) {
+std::vector<Mesh> lifted_light_surfaces(const Scene& scene, const std::vector<double>& lifts) {
   std::vector<Mesh> meshes;
   const std::vector<LightSurface> surfaces = light_surfaces(scene);
-  if (surfaces.empty()) return meshes;
-  const std::vector<double> lifts = light_lifts(scene, precision_of(scene));
   for (size_t n = 0; n < surfaces.size(); ++n) meshes.push_back(lifted(surfaces[n], lifts[n]));
   return meshes;
 }

@@ -60,10 +60,13 @@ ScenePrecision precision_of(const Scene& scene);
 /// before the ceiling. The hit itself is computed at the true place.
 std::vector<double> light_lifts(const Scene& scene, const ScenePrecision& precision);
 
+/// The same; finds the precision if there is such a light.
+std::vector<double> light_lifts(const Scene& scene);
+
 /// The surface of a light moved by its lift, as rays look for it.
 Mesh lifted(const LightSurface& surface, double lift);
 
-/// All light surfaces of a scene, moved by their lifts.
-std::vector<Mesh> lifted_light_surfaces(const Scene& scene);
+/// All light surfaces of a scene, moved by their lifts (light_lifts).
+std::vector<Mesh> lifted_light_surfaces(const Scene& scene, const std::vector<double>& lifts);
 
 }  // namespace holotrace

@@ -87,15 +87,17 @@ GridCounts& GridCounts::operator+=(const GridCounts& other) {
   return *this;
 }
 
-UniformGrid::UniformGrid(const Scene& scene, double density) {
+UniformGrid::UniformGrid(const Scene& scene, double density) : UniformGrid(scene, light_lifts(scene), density) {}
+
+UniformGrid::UniformGrid(const Scene& scene, const std::vector<double>& lifts, double density) {
   require(std::isfinite(density) && density > 0, "expected a density above 0 cells per triangle, got {}", density);
-  list_triangles(scene);
+  list_triangles(scene, lifts);
   if (triangles_.empty()) return;
   choose_cells(density);
   fill_cells();
 }
 
-void UniformGrid::list_triangles(const Scene& scene) {
+void UniformGrid::list_triangles(const Scene& scene, const std::vector<double>& lifts) {
   low_ = {infinity, infinity, infinity}, high_ = -low_;
   uint32_t id = 0;
   const auto add = [&](const Mesh& mesh) {
@@ -114,7 +116,7 @@ void UniformGrid::list_triangles(const Scene& scene) {
     ++id;
   };
   for (const Mesh& mesh : scene.meshes) add(mesh);
-  for (const Mesh& lamp : lifted_light_surfaces(scene)) add(lamp);
+  for (const Mesh& lamp : lifted_light_surfaces(scene, lifts)) add(lamp);
   statistics_.triangles = int64_t(triangles_.size());
   if (triangles_.empty()) return;
   const Vec3 size = high_ - low_;

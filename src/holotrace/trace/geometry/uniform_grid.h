@@ -59,6 +59,9 @@ class UniformGrid {
   /// @throws Error  for a density that is not above 0, or if the cells do not fit in memory
   explicit UniformGrid(const Scene& scene, double density = usual_density);
 
+  /// The same, with the lifts of the light surfaces (light_lifts) [m].
+  UniformGrid(const Scene& scene, const std::vector<double>& lifts, double density = usual_density);
+
   /// The first triangle on the ray at a distance in [0, limit]. Returns false and leaves `hit` unchanged if none.
   /// @param counts  if given, the work done is added to it
   bool closest_hit(const Ray& ray, double limit, GridHit& hit, GridCounts* counts = nullptr) const;
@@ -76,7 +79,7 @@ class UniformGrid {
 
   template <bool any>
   bool walk(const Ray& ray, double limit, GridHit& hit, GridCounts* counts) const;
-  void list_triangles(const Scene& scene);
+  void list_triangles(const Scene& scene, const std::vector<double>& lifts);
   void choose_cells(double density);
   void fill_cells();
   template <class Visit>

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "holotrace/base/error.h"
 #include "holotrace/trace/paths/group_walk.h"
 #include "holotrace/trace/paths/path_walk.h"
 
@@ -112,6 +113,8 @@ bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& number
 
 uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
                       std::span<Vec3> sums, PathCounts& counts) {
+  require(rays.size() <= most_together, "expected at most {} rays that are followed together, got {}", most_together,
+          rays.size());
   uint32_t misses = 0;
   if (!fits_groups(scene.params)) {
     for (size_t i = 0; i < rays.size(); ++i) {

@@ -87,13 +87,15 @@ bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& number
 /// A ray of a camera, and the number of its path among those of a block of random numbers.
 struct NumberedRay {
   Ray ray;
-  uint32_t path = 0;  ///< 0 … 15
+  uint32_t path = 0;  ///< 0 … most_together − 1
 };
 
-/// The sum of add_radiance over several rays, of different `path`; much faster than one by one where surfaces are diffuse.
+/// The sum of add_radiance over up to most_together rays, of different `path`; much faster than one by one where surfaces
+/// are diffuse.
 ///
 /// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
 /// @return           bit i is 1 if there is no surface on ray i
+/// @throws Error     for more rays
 uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
                       std::span<Vec3> sums, PathCounts& counts);
 
