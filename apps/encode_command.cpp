@@ -83,7 +83,7 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
   command
       ->add_option("--frames", o->frames,
                    "focal stacks: number of holograms that are shown one after the other, found together so that their "
-                   "mean light is the stack's [1]")
+                   "mean light is the stack's; ranks of mpirun share them [1]")
       ->type_name("N");
   command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
       ->type_name("FILE.json");
