@@ -1,22 +1,18 @@
 #pragma once
 
-#include <cstring>
+#include <cstdint>
 #include <string>
-#include <type_traits>
-#include <vector>
 
-#include "holotrace/base/error.h"
+#include "holotrace/base/pack.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/wave/bands.h"
 #include "plan_rates.h"
+#include "rank_tags.h"
 
-// Messages that ranks exchange about a field made in bands.
+// Messages that ranks exchange about a field made in bands: rank 0 sends a job, its sets and single bands. The other ranks ask
+// for a band, send its rows in pieces, and report that it is finished.
 
 namespace holotrace {
-
-/// Rank 0 sends a job, its sets, single bands, and the end. The other ranks ask for a band, send its rows in pieces,
-/// and report that it is finished or has failed.
-enum BandTag { tag_job, tag_set, tag_band, tag_end, tag_ready, tag_rows, tag_finished, tag_failed };
 
 /// Header of a message of rows: the rows of band `band`, from row `first_row` of the panel on.
 struct RowsHead {
@@ -36,47 +32,6 @@ struct JobHead {
 struct BandOrder {
   uint64_t index = 0;
   Band band;
-};
-
-template <class Value>
-void pack(std::string& bytes, const Value& value) {
-  static_assert(std::is_trivially_copyable_v<Value>);
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-template <class Value>
-void pack(std::string& bytes, const std::vector<Value>& values) {
-  static_assert(std::is_trivially_copyable_v<Value>);
-  pack(bytes, uint64_t(values.size()));
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
-}
-
-/// Reads what `pack` wrote, in the same order.
-class Unpacker {
- public:
-  explicit Unpacker(const std::string& bytes) : bytes_(bytes) {}
-
-  template <class Value>
-  void get(Value& value) {
-    take(&value, sizeof value);
-  }
-  template <class Value>
-  void get(std::vector<Value>& values) {
-    uint64_t count = 0;
-    get(count);
-    values.resize(count);
-    take(values.data(), count * sizeof(Value));
-  }
-
- private:
-  void take(void* to, size_t size) {
-    require(size <= bytes_.size() - at_, "expected a longer message from another rank, got {} bytes", bytes_.size());
-    if (size > 0) std::memcpy(to, bytes_.data() + at_, size);
-    at_ += size;
-  }
-
-  const std::string& bytes_;
-  size_t at_ = 0;
 };
 
 inline std::string pack_set(const Sources& set) {

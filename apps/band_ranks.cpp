@@ -3,7 +3,6 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <new>
 
 #include "band_messages.h"
 #include "banded_field.h"
@@ -26,7 +25,9 @@ void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
   }
 }
 
-void serve_job(const Ranks& ranks, const Ranks::Message& job) {
+}  // namespace
+
+void serve_bands(const Ranks& ranks, const Ranks::Message& job) {
   JobHead head;
   Unpacker(job.bytes).get(head);
   std::vector<Sources> sets;
@@ -49,29 +50,6 @@ void serve_job(const Ranks& ranks, const Ranks::Message& job) {
     pack(done, order.index);
     ranks.send(0, tag_finished, done);
   }
-}
-
-}  // namespace
-
-void serve_bands(Ranks& ranks) {
-  try {
-    const Ranks::Message message = ranks.receive();
-    if (message.tag == tag_job) serve_job(ranks, message);
-  } catch (const std::bad_alloc&) {
-    ranks.send(0, tag_failed,
-               "expected enough memory for a band, but it ran out; give a smaller --memory or fewer ranks");
-    ranks.receive();
-  } catch (const std::exception& error) {
-    ranks.send(0, tag_failed, error.what());
-    ranks.receive();
-  }
-  ranks.leave();
-}
-
-void dismiss_ranks(Ranks& ranks, int exit_code) {
-  if (ranks.others_work) ranks.end_all(exit_code);
-  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_end);
-  ranks.leave();
 }
 
 }  // namespace holotrace

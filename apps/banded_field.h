@@ -27,10 +27,7 @@ struct BandedField {
 /// @throws Error  as plan_bands, synthesize_band and FieldBands do, on any rank; finished bands are kept
 void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observer);
 
-/// The function of every other rank: makes the bands that rank 0 asks for until it reports the end.
-void serve_bands(Ranks& ranks);
-
-/// Lets the other ranks end, or ends them at once if they are working when the work has failed here.
-void dismiss_ranks(Ranks& ranks, int exit_code);
+/// The part of every other rank in a job that rank 0 has sent: makes the bands that rank 0 asks for until it reports the end.
+void serve_bands(const Ranks& ranks, const Ranks::Message& job);
 
 }  // namespace holotrace

@@ -22,6 +22,7 @@
 #include "holotrace/run/encode_job.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
+#include "rank_links.h"
 #include "say.h"
 
 namespace holotrace {
@@ -82,7 +83,7 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
   command
       ->add_option("--frames", o->frames,
                    "focal stacks: number of holograms that are shown one after the other, found together so that their "
-                   "mean light is the stack's [1]")
+                   "mean light is the stack's; ranks of mpirun share them [1]")
       ->type_name("N");
   command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
       ->type_name("FILE.json");
@@ -132,10 +133,13 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
                     : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
                                : job_of_picture_file(o->input, slm, wavelengths, params, console);
     job.checkpoint_of = [&](size_t i) { return checkpoints.of(i); };
+    RankLinks links(*global.ranks, global.threads);
+    job.links = &links;
     Report report;
     report.seed = params.seed;
     for (size_t i = 1; i < job.wavelengths.size() * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
     std::vector<Hologram> holograms = encode_job(job, o->frames, slm, params, report, console.stages());
+    global.ranks->others_work = false;
     if (is_field && o->slm.empty())
       for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
     console.finish();

@@ -13,7 +13,6 @@
 #include <new>
 #include <stdexcept>
 
-#include "banded_field.h"
 #include "checkpoints.h"
 #include "commands.h"
 #include "holotrace/base/error.h"
@@ -32,6 +31,7 @@
 #include "interrupts.h"
 #include "ranks.h"
 #include "say.h"
+#include "serve_ranks.h"
 #include "usage_error.h"
 
 namespace {
@@ -65,6 +65,19 @@ int after_output(int exit_code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
   return report_error(fmt::format("expected to write the standard output, got \"{}\"; make room where it goes",
                                   std::strerror(errno != 0 ? errno : EIO)));
+}
+
+// What the user's cache folder keeps between runs.
+void use_kept_files() {
+  using namespace holotrace;
+  const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
+  keep_fft_wisdom(warn);
+  set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
+  set_device_rates([warn](Device& device) {
+    return keep_device_rates(
+        device_calibration_key(device.info()), [&] { return calibrate_device(device); }, warn);
+  });
+  set_program_store({load_kept_program, keep_program, keep_compiler_log});
 }
 
 int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
@@ -108,14 +121,6 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
       "Environment:\n  HOLOTRACE_INSTRUCTIONS=NAME  instruction set of the kernels, instead of the best one of this "
       "processor: AVX3 (AVX-512), AVX2 or SSE4, as `holotrace bench` names them");
 
-  const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
-  keep_fft_wisdom(warn);
-  set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
-  set_device_rates([warn](Device& device) {
-    return keep_device_rates(
-        device_calibration_key(device.info()), [&] { return calibrate_device(device); }, warn);
-  });
-  set_program_store({load_kept_program, keep_program, keep_compiler_log});
   const CommandFiles files;
   try {
     app.parse(argc, argv);
@@ -144,8 +149,9 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
     if (const char* instructions = std::getenv("HOLOTRACE_INSTRUCTIONS"))
       read_flag("HOLOTRACE_INSTRUCTIONS", [&] { force_instruction_set(instructions); });
     Ranks ranks(argc, argv);
+    use_kept_files();
     if (ranks.rank() > 0) {
-      serve_bands(ranks);
+      serve_ranks(ranks);
       return 0;
     }
     const int exit_code = after_output(run_command(argc, argv, ranks));

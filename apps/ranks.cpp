@@ -50,7 +50,7 @@ Ranks::Ranks(int& argc, char**& argv) {
   const int ranks = launched_ranks();
   if (ranks == 0) return;
   mpi_ = load_module(ranks);
-  if (mpi_) mpi_->start(&argc, &argv, &rank_, &size_, &threads_, &rank_here_);
+  if (mpi_) mpi_->start(&argc, &argv, &rank_, &size_, &threads_, &rank_here_, &ranks_here_);
 }
 
 void Ranks::send(int to, int tag, const void* bytes, size_t size) const {

@@ -18,7 +18,8 @@ class Ranks {
 
   int rank() const { return rank_; }
   int size() const { return size_; }
-  int rank_here() const { return rank_here_; }  ///< its number among the ranks on the same machine
+  int rank_here() const { return rank_here_; }    ///< its number among the ranks on the same machine
+  int ranks_here() const { return ranks_here_; }  ///< number of ranks on the same machine
   bool has_launcher() const { return mpi_ != nullptr; }
 
   /// Number of processor cores for this rank: its own cores, divided among the ranks that may use them.
@@ -48,7 +49,7 @@ class Ranks {
   bool others_work = false;  ///< the other ranks are working and receive no messages
 
  private:
-  int rank_ = 0, size_ = 1, threads_ = 0, rank_here_ = 0;
+  int rank_ = 0, size_ = 1, threads_ = 0, rank_here_ = 0, ranks_here_ = 1;
   const MpiModule* mpi_ = nullptr;  // none without a launcher
 };
 

@@ -19,16 +19,15 @@ cpu_set_t own_cores() {
   return cores;
 }
 
-// The cores of this rank, divided by the number of ranks on this machine that may use them, too. Also numbers the ranks
-// on this machine.
-int fair_threads(int* rank_here) {
+// The cores of this rank, divided by the number of ranks on this machine that may use them, too. Also numbers and
+// counts the ranks on this machine.
+int fair_threads(int* rank_here, int* ranks_here) {
   MPI_Comm machine;
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   MPI_Comm_rank(machine, rank_here);
-  int size = 1;
-  MPI_Comm_size(machine, &size);
+  MPI_Comm_size(machine, ranks_here);
   const cpu_set_t own = own_cores();
-  std::vector<cpu_set_t> all(static_cast<size_t>(size));
+  std::vector<cpu_set_t> all(static_cast<size_t>(*ranks_here));
   MPI_Allgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, machine);
   MPI_Comm_free(&machine);
   int sharers = 0;
@@ -40,12 +39,12 @@ int fair_threads(int* rank_here) {
   return std::max(1, CPU_COUNT(&own) / std::max(1, sharers));
 }
 
-void start(int* argc, char*** argv, int* rank, int* size, int* threads, int* rank_here) {
+void start(int* argc, char*** argv, int* rank, int* size, int* threads, int* rank_here, int* ranks_here) {
   int level = 0;
   MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &level);
   MPI_Comm_rank(MPI_COMM_WORLD, rank);
   MPI_Comm_size(MPI_COMM_WORLD, size);
-  *threads = fair_threads(rank_here);
+  *threads = fair_threads(rank_here, ranks_here);
 }
 
 void send(const void* bytes, int size, int to, int tag) { MPI_Send(bytes, size, MPI_BYTE, to, tag, MPI_COMM_WORLD); }

@@ -8,9 +8,10 @@ namespace holotrace {
 /// command time and memory.
 struct MpiModule {
   /// Connects to the other ranks.
-  /// @param threads    number of cores for this rank
-  /// @param rank_here  number of this rank among those on the same machine
-  void (*start)(int* argc, char*** argv, int* rank, int* size, int* threads, int* rank_here);
+  /// @param threads     number of cores for this rank
+  /// @param rank_here   number of this rank among those on the same machine
+  /// @param ranks_here  their number
+  void (*start)(int* argc, char*** argv, int* rank, int* size, int* threads, int* rank_here, int* ranks_here);
   void (*send)(const void* bytes, int size, int to, int tag);
   /// Whether there is a message to this rank; who sent it, its tag and its size.
   bool (*has_message)(int* from, int* tag, int* size);

@@ -2,8 +2,6 @@
 
 #include <sys/stat.h>
 
-#include <fstream>
-
 #include "band_messages.h"
 #include "end_to_end/bands.h"
 #include "end_to_end/mpirun.h"
@@ -13,26 +11,6 @@ namespace holotrace::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<pid_t> children_of(pid_t parent) {
-  std::vector<pid_t> children;
-  const std::string tasks = "/proc/" + std::to_string(parent) + "/task";
-  std::error_code gone;
-  for (const auto& task : fs::directory_iterator(tasks, gone)) {
-    std::ifstream list(task.path() / "children");
-    for (pid_t child; list >> child;) children.push_back(child);
-  }
-  return children;
-}
-
-// The process of a rank, from the environment set by its launcher; 0 if there is none yet.
-pid_t process_of_rank(pid_t launcher, int rank) {
-  for (const pid_t child : children_of(launcher)) {
-    const std::string told = bytes_of("/proc/" + std::to_string(child) + "/environ");
-    if (told.find("OMPI_COMM_WORLD_RANK=" + std::to_string(rank) + '\0') != std::string::npos) return child;
-  }
-  return 0;
-}
 
 // A rank that sums in a wider cone than the others would make different bands.
 TEST(BandMessages, CarryAllThatASumDependsOn) {

@@ -81,7 +81,7 @@ std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& sl
     of_entries[i] = run_stage(stage, report, watch, [&](const Observer& observer) {
       const Checkpoint kept = job.checkpoint_of ? job.checkpoint_of(i) : Checkpoint{};
       if (job.fields.empty())
-        return encode_frames({job.targets[i]}, job.wavelengths[i], frames, slm, params, observer, kept);
+        return encode_frames({job.targets[i]}, job.wavelengths[i], frames, slm, params, observer, kept, job.links);
       if (!aims_at_targets(params.method)) return std::vector{encode(job.fields[i], slm, params, observer)};
       return std::vector{encode_targets(job.targets[i], job.fields[i], slm, params, observer, kept)};
     });

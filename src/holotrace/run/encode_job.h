@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/base/process_links.h"
 #include "holotrace/data/checkpoint.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/focal_stack.h"
@@ -25,6 +26,7 @@ struct EncodeJob {
   std::vector<Field> fields;                            ///< field at the panel of each entry; none for a focal stack
   bool is_of_fields = false;                            ///< fields of waves, which lose light by the panel's cone
   std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
+  ProcessLinks* links = nullptr;  ///< to other processes that take frames of focal stacks; none: this one is alone
 };
 
 /// Fields at the panel, one for each wavelength. Iterations aim at what they show (slm/encode/target.h).

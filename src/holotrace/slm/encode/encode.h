@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/base/process_links.h"
 #include "holotrace/data/checkpoint.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
@@ -80,11 +81,12 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 /// @param wavelength  wavelength of the holograms [m]
 /// @param frames      number of frames, 1 or more. Several start from random phases, each from its own. One frame starts
 ///                    as params.start says; its own phase is 0 in the middle plane, which leaves little speckle
+/// @param links       to other processes that take frames (gradient_descent.h)
 /// @return            one hologram per frame, all with one illumination
 /// @throws Error      as encode_targets does, and unless the method is sgd
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                                     const EncodeParams& params, const Observer& observer = {},
-                                    const Checkpoint& checkpoint = {});
+                                    const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr);
 
 /// Fraction of the light in the image of a phase hologram whose levels span only `range` < 1 turns. Phases are even
 /// over the circle; those in the gap are moved to the nearer end:

@@ -123,8 +123,8 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 }
 
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
-                                    const EncodeParams& params, const Observer& observer,
-                                    const Checkpoint& checkpoint) {
+                                    const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint,
+                                    ProcessLinks* links) {
   check_iterations(targets.planes, slm, params, observer);
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method, encoding_names));
@@ -147,7 +147,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     for (Hologram& hologram : holograms) hologram.illumination = 0;
     return holograms;
   }
-  descend(targets, known, params, observer, holograms, checkpoint);
+  descend(targets, known, params, observer, holograms, checkpoint, links);
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);
   return holograms;

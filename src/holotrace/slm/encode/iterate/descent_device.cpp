@@ -154,14 +154,44 @@ std::vector<Device*> chosen_for(const std::vector<TargetPlane>& targets, const D
   return fastest_for(targets, setup, frames);
 }
 
+// The numbers of those of several equal devices that a process of a machine has.
+std::vector<int> part_of(const std::vector<int>& equals, const PlaceOnMachine& place) {
+  std::vector<int> part;
+  for (size_t i = size_t(place.number); i < equals.size(); i += size_t(place.count)) part.push_back(equals[i]);
+  if (part.empty()) part.push_back(equals[size_t(place.number) % equals.size()]);
+  return part;
+}
+
+// Iterations use all memory that there is: what is kept there for later is soon made again.
+std::vector<Device*> emptied(const std::vector<Device*>& devices) {
+  for (Device* device : devices) make_room(*device, std::numeric_limits<double>::infinity());
+  return devices;
+}
+
 }  // namespace
 
 std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
                                          size_t frames) {
-  const std::vector<Device*> devices = chosen_for(targets, setup, frames);
-  // Iterations use all memory that there is: what is kept there for later is soon made again.
-  for (Device* device : devices) make_room(*device, std::numeric_limits<double>::infinity());
-  return devices;
+  return emptied(chosen_for(targets, setup, frames));
+}
+
+DeviceChoice common_device(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
+  const DeviceChoice& choice = setup.params.device;
+  if (choice.kind != DeviceKind::automatic) return choice;
+  const Device* const fastest =
+      fastest_device(seconds_on_processor({targets, setup, frames, frames}),
+                     [&](Device& device) { return seconds_on(device, targets, setup, frames, 1); });
+  return fastest ? DeviceChoice{DeviceKind::opencl, fastest->info().number} : DeviceChoice{};
+}
+
+std::vector<Device*> devices_of_process(const DeviceChoice& choice, const PlaceOnMachine& place, size_t frames) {
+  if (choice.kind == DeviceKind::cpu) return {};
+  std::vector<int> numbers{equal_device(list_devices(), choice.number, place.number)};
+  if (choice.kind == DeviceKind::all) numbers = part_of(equal_devices(list_devices(), 0), place);
+  if (numbers.size() > frames) numbers.resize(frames);
+  std::vector<Device*> devices;
+  for (const int number : numbers) devices.push_back(&open_device(number));
+  return emptied(devices);
 }
 
 Device* device_for_projections(const std::vector<TargetPlane>& targets, const DescentSetup& setup) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "holotrace/base/process_links.h"
 #include "holotrace/data/target.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
@@ -17,6 +18,16 @@ namespace holotrace {
 /// @throws Error  for a device that is not there
 std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
                                          size_t frames);
+
+/// The device that several processes choose together, as params.device says: under `auto` the processor or one device, whichever
+/// is expected to be faster for the frames of one process.
+/// @throws Error  for a device that is not there
+DeviceChoice common_device(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames);
+
+/// The devices of a process for its frames, those of a machine divided among its processes: of `opencl:N` and its equals one,
+/// in turn; of `opencl:all` its part, or one in turn if there are more processes. None: the processor.
+/// @throws Error  for a device that is not there
+std::vector<Device*> devices_of_process(const DeviceChoice& choice, const PlaceOnMachine& place, size_t frames);
 
 /// The one for Gerchberg–Saxton, whose iterations use all planes and move one pattern.
 /// @throws Error  for all devices at once, and as above

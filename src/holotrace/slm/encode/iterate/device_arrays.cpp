@@ -10,8 +10,8 @@
 namespace holotrace {
 
 DeviceFrames::DeviceFrames(const std::vector<Device*>& devices, const Slm& slm, const EncodeParams& params,
-                           const std::vector<Hologram>& frames)
-    : slm_(slm), params_(params) {
+                           const std::vector<Hologram>& frames, const OtherFrames& others)
+    : slm_(slm), params_(params), others_(others) {
   const size_t shares = std::min(devices.size(), frames.size());
   for (size_t i = 0; i < shares; ++i) {
     std::vector<Drive> start;
@@ -29,7 +29,7 @@ void on_all_shares(const std::vector<std::unique_ptr<FrameShare>>& shares, const
 }
 
 std::unique_ptr<ColourLight> DeviceFrames::light_of(const DrivenPanel& panel, double wavelength) {
-  return std::make_unique<DeviceLight>(shares_, PanelInLight{slm_, params_, panel, wavelength});
+  return std::make_unique<DeviceLight>(shares_, PanelInLight{slm_, params_, panel, wavelength}, others_);
 }
 
 void DeviceFrames::clear_slopes() {

@@ -9,6 +9,7 @@
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_share.h"
+#include "holotrace/slm/encode/iterate/mean_exchange.h"
 
 namespace holotrace {
 
@@ -19,9 +20,10 @@ class DeviceFrames : public FrameArrays {
   /// @param devices      those after as many as there are frames have nothing to do
   /// @param slm, params  must outlive this object
   /// @param frames       their levels are the start
+  /// @param others       frames of other processes
   /// @throws Error       as Device does, here and in all functions
   DeviceFrames(const std::vector<Device*>& devices, const Slm& slm, const EncodeParams& params,
-               const std::vector<Hologram>& frames);
+               const std::vector<Hologram>& frames, const OtherFrames& others = {});
 
   std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
@@ -36,6 +38,7 @@ class DeviceFrames : public FrameArrays {
  private:
   const Slm& slm_;
   const EncodeParams& params_;
+  OtherFrames others_;
   std::vector<std::unique_ptr<FrameShare>> shares_;
 };
 

@@ -4,11 +4,12 @@
 
 namespace holotrace {
 
-DeviceLight::DeviceLight(const std::vector<std::unique_ptr<FrameShare>>& shares, const PanelInLight& panel)
-    : shares_(shares), lit_(panel) {
+DeviceLight::DeviceLight(const std::vector<std::unique_ptr<FrameShare>>& shares, const PanelInLight& panel,
+                         const OtherFrames& others)
+    : shares_(shares), lit_(panel), others_(others), frames_(others.count) {
   for (const auto& share : shares_) frames_ += share->frames();
   for (const auto& share : shares_)
-    lights_.push_back(std::make_unique<ShareLight>(*share, lit_, frames_, lights_.empty()));
+    lights_.push_back(std::make_unique<ShareLight>(*share, lit_, frames_, others_.has_targets() && lights_.empty()));
 }
 
 void DeviceLight::on_all(const std::function<void(ShareLight& share)>& work) {
@@ -47,25 +48,45 @@ void DeviceLight::add_parts(const Part& part) {
   add_part(first, received, 1, true, sum);
 }
 
+// The sum of this process becomes, on the first process, that of all. No device is locked while it waits for the others.
+void DeviceLight::add_other_processes(const Part& part) {
+  if (!others_.exchange) return;
+  const DeviceBuffer& sum = part(*lights_.front());
+  Device& first = shares_.front()->device();
+  std::vector<float> values(sum.bytes() / sizeof(float));
+  {
+    const auto lock = first.lock();
+    first.read(sum, values.data(), sum.bytes());
+  }
+  others_.exchange->add_up(values.data(), values.size());
+  if (!others_.has_targets()) return;
+  const auto lock = first.lock();
+  first.write(sum, values.data(), sum.bytes());
+}
+
+// What the first share of the first process has goes to all others.
 void DeviceLight::send_to_others(const Part& part) {
-  if (shares_.size() == 1) return;
+  if (shares_.size() == 1 && !others_.exchange) return;
   const DeviceBuffer& from = part(*lights_.front());
   std::vector<float> values(from.bytes() / sizeof(float));
-  {
+  if (others_.has_targets()) {
     Device& first = shares_.front()->device();
     const auto lock = first.lock();
     first.read(from, values.data(), from.bytes());
   }
+  if (others_.exchange) others_.exchange->hand_out(values.data(), values.size());
   on_all_shares(shares_, [&](size_t i) {
-    if (i > 0) shares_[i]->device().write(part(*lights_[i]), values.data(), from.bytes());
+    if (i > 0 || !others_.has_targets()) shares_[i]->device().write(part(*lights_[i]), values.data(), from.bytes());
   });
 }
 
 ModulusSums DeviceLight::plane_sums(size_t plane, SampleGroup group, bool is_kept) {
   on_all([&](ShareLight& share) { share.show(plane, group, is_kept); });
-  add_parts([&](const ShareLight& share) -> const DeviceBuffer& { return share.mean(plane); });
+  const Part mean = [&](const ShareLight& share) -> const DeviceBuffer& { return share.mean(plane); };
+  add_parts(mean);
+  add_other_processes(mean);
   const auto lock = shares_.front()->device().lock();
-  const ModulusSums sums = lights_.front()->fit_sums(plane);
+  const ModulusSums sums = others_.has_targets() ? lights_.front()->fit_sums(plane) : ModulusSums();
   if (!is_kept)
     for (const auto& light : lights_) light->drop(plane);
   return sums;
@@ -73,7 +94,7 @@ ModulusSums DeviceLight::plane_sums(size_t plane, SampleGroup group, bool is_kep
 
 double DeviceLight::add_gradient(size_t plane, SampleGroup group, double scale, double factor) {
   double error = 0;
-  {
+  if (others_.has_targets()) {
     const auto lock = shares_.front()->device().lock();
     error = scale * scale * lights_.front()->leave_residual(plane, 1 / scale);
   }
@@ -101,7 +122,8 @@ void DeviceLight::add_views(const ViewTargets& views, double scale, double facto
   for (size_t k = 0; k < views.pupils.size(); ++k) {
     const Part mean = [k](const ShareLight& share) -> const DeviceBuffer& { return share.mean_of_view(k); };
     add_parts(mean);
-    {
+    add_other_processes(mean);
+    if (others_.has_targets()) {
       const auto lock = shares_.front()->device().lock();
       lights_.front()->take_residual_of_view(k, 1 / scale);
     }

@@ -17,10 +17,13 @@ namespace holotrace {
 /// first one, by way of the processor, which adds them in the order of the shares. The first one has the target; what the
 /// residual's factor is there goes back to the others. So for each plane of an update 4 bytes per pixel leave each device but the
 /// first and 4 arrive there; 4 arrive at the first one and 4 leave it. Views are the same, with the pixels of their pictures.
+///
+/// **With frames of other processes** (OtherFrames), the first device's sum goes on to them in the same way.
 class DeviceLight : public ColourLight {
  public:
   /// @param shares  must outlive this object
-  DeviceLight(const std::vector<std::unique_ptr<FrameShare>>& shares, const PanelInLight& panel);
+  DeviceLight(const std::vector<std::unique_ptr<FrameShare>>& shares, const PanelInLight& panel,
+              const OtherFrames& others = {});
 
   void add(const TargetPlane& target) override;
   void leave(const PanelDetail& detail) override;
@@ -32,11 +35,13 @@ class DeviceLight : public ColourLight {
   using Part = std::function<const DeviceBuffer&(const ShareLight& share)>;
   void on_all(const std::function<void(ShareLight& share)>& work);
   void add_parts(const Part& part);
+  void add_other_processes(const Part& part);
   void send_to_others(const Part& part);
 
   const std::vector<std::unique_ptr<FrameShare>>& shares_;
   PanelInLight lit_;
-  size_t frames_ = 0;
+  OtherFrames others_;
+  size_t frames_ = 0;                                // of all processes
   std::vector<std::unique_ptr<ShareLight>> lights_;  // of each share
   std::vector<std::vector<float>> parts_{};          // of all but the first, on the processor
 };

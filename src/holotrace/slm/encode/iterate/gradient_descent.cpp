@@ -16,6 +16,7 @@
 #include "holotrace/slm/encode/iterate/iteration_place.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
+#include "holotrace/slm/encode/iterate/shared_frames.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
@@ -93,10 +94,17 @@ struct Listeners {
   const Checkpoint& checkpoint;
 };
 
+// The processes of a descent, and the device that they have chosen.
+struct Processes {
+  ProcessLinks* links = nullptr;  // none: this one is alone
+  DeviceChoice device{};
+};
+
 std::unique_ptr<FrameArrays> arrays_on(const IterationPlace& place, const DescentSetup& setup,
-                                       const std::vector<Hologram>& frames) {
-  if (!place.devices.empty()) return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames);
-  return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames);
+                                       const std::vector<Hologram>& frames, const OtherFrames& others = {}) {
+  if (!place.devices.empty())
+    return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames, others);
+  return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames, others);
 }
 
 void judge_on(const IterationPlace& place, const std::vector<TargetPlane>& targets, const DescentSetup& setup,
@@ -111,13 +119,22 @@ void judge_on(const IterationPlace& place, const std::vector<TargetPlane>& targe
   tell_quality(colours, observer, frames);
 }
 
-void descend_on(const IterationPlace& place, const TargetSet& targets, const DescentSetup& setup,
-                std::vector<Hologram>& frames, const Listeners& listeners) {
+void descend_on(const IterationPlace& place, const Processes& processes, const TargetSet& targets,
+                const DescentSetup& setup, std::vector<Hologram>& frames, const Listeners& listeners) {
   const auto& [observer, checkpoint] = listeners;
   const int iterations = iterations_of(setup.params);
-  if (place.devices.empty()) require_memory_for_descent(targets.planes.size(), setup.slm, setup.params, frames);
-  const auto made = place.compute(
-      [&] { return std::make_unique<FrameDescent>(targets, setup, frames, arrays_on(place, setup, frames)); });
+  SharedFrames* shared = nullptr;
+  const auto own_arrays = [&](const std::vector<Hologram>& own, const OtherFrames& others) {
+    if (place.devices.empty()) require_memory_for_descent(targets.planes.size(), setup.slm, setup.params, own);
+    return arrays_on(place, setup, own, others);
+  };
+  const auto arrays = [&]() -> std::unique_ptr<FrameArrays> {
+    if (!processes.links) return own_arrays(frames, {});
+    auto made = std::make_unique<SharedFrames>(*processes.links, setup, processes.device, frames, own_arrays);
+    shared = made.get();
+    return made;
+  };
+  const auto made = place.compute([&] { return std::make_unique<FrameDescent>(targets, setup, frames, arrays()); });
   FrameDescent& descent = *made;
   std::optional<KeptDescent> kept;
   if (checkpoint) kept.emplace(descent, place, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
@@ -135,10 +152,12 @@ void descend_on(const IterationPlace& place, const TargetSet& targets, const Des
     descent.judge();
     descent.write(frames);
   });
+  if (shared) shared->finish();
   std::vector<double> convergence = descent.losses();
   convergence.push_back(descent.loss());
   observer.fact("iterations", descent.updates());
   tell_devices(place.devices, observer);
+  if (shared) observer.fact("processes", int64_t(shared->processes()));
   observer.fact("loss_first", Fact(convergence.front()));
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
@@ -148,11 +167,18 @@ void descend_on(const IterationPlace& place, const TargetSet& targets, const Des
 }  // namespace
 
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
-             std::vector<Hologram>& frames, const Checkpoint& checkpoint) {
+             std::vector<Hologram>& frames, const Checkpoint& checkpoint, ProcessLinks* links) {
   const DescentSetup setup{slm, params};
+  const Listeners listeners{observer, checkpoint};
+  if (links && links->count() > 1 && frames.size() > 1) {
+    const size_t own = ranges_of_frames(frames.size(), links->count()).front().count();
+    const DeviceChoice device = common_device(targets.planes, setup, own);
+    const IterationPlace place{devices_of_process(device, links->here(), own)};
+    return descend_on(place, {links, device}, targets, setup, frames, listeners);
+  }
   const std::vector<Device*> devices = devices_for_descent(targets.planes, setup, frames.size());
   on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
-    descend_on(place, targets, setup, frames, {observer, checkpoint});
+    descend_on(place, {}, targets, setup, frames, listeners);
   });
 }
 

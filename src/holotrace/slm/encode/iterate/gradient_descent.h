@@ -4,6 +4,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
+#include "holotrace/base/process_links.h"
 #include "holotrace/data/checkpoint.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
@@ -51,21 +52,28 @@ class Device;
 /// up in another order than on one device, so levels differ by rounding. If a device of `auto` fails, the processor goes on from
 /// the checkpoint, or starts again, with a warning.
 ///
+/// **In several processes** (links), each has some of the frames, on its devices or the processor (SharedFrames). Process 0, which
+/// calls this, has the targets and decides; the others call find_frames_of_others. The same number of processes with the same
+/// devices gives the same levels; another one adds up the mean in another order, so levels differ by rounding. A device that fails
+/// ends the job, also one that `auto` has chosen.
+///
 /// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on
 /// @param checkpoint  keeps the state of now and then: a later call with the same job goes on from there, to the same
 ///                 levels and facts; on another device, to those of rounding
+/// @param links    to other processes that take part; none, or fewer than two frames: this one does it alone
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
 ///                 another job, and if it says stop; as devices_for_descent and Device do
-/// Facts: `iterations`, `device` (its name, on a device), `devices` (their number, on several), `loss_first`, `loss_last` (f), and those of judge. Curve:
+/// Facts: `iterations`, `device` (its name, on a device), `devices` (their number, on several), `processes` (their
+/// number, of several), `loss_first`, `loss_last` (f), and those of judge. Curve:
 /// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
 /// the final levels. Cost for each frame and plane of an iteration: one transform there and one back, and as many more as
 /// samples in a pixel (four; two of four or more frames; one of smooth targets); as much again for
 /// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
-             std::vector<Hologram>& frames, const Checkpoint& checkpoint = {});
+             std::vector<Hologram>& frames, const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr);
 
 /// Evaluates the levels of frames with the known effects of their panel. Sets the illumination that shows the
 /// targets at their own brightness, at the holograms' wavelength. Facts: `psnr_db`, `target_efficiency` (encode.h).

@@ -26,8 +26,9 @@ Drive drive_of(const Hologram& hologram) {
   return drive;
 }
 
-ProcessorFrames::ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames)
-    : slm_(slm), params_(params) {
+ProcessorFrames::ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames,
+                                 const OtherFrames& others)
+    : slm_(slm), params_(params), others_(others) {
   for (const Hologram& frame : frames) rounded_.push_back(drive_of(frame));
 }
 
@@ -40,7 +41,7 @@ void ProcessorFrames::prepare_steps() {
 }
 
 std::unique_ptr<ColourLight> ProcessorFrames::light_of(const DrivenPanel& panel, double wavelength) {
-  return std::make_unique<ProcessorLight>(PanelInLight{slm_, params_, panel, wavelength}, rounded_, slopes_);
+  return std::make_unique<ProcessorLight>(PanelInLight{slm_, params_, panel, wavelength}, rounded_, slopes_, others_);
 }
 
 void ProcessorFrames::clear_slopes() {

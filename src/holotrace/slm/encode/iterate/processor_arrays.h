@@ -6,6 +6,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
+#include "holotrace/slm/encode/iterate/mean_exchange.h"
 
 namespace holotrace {
 
@@ -17,7 +18,9 @@ class ProcessorFrames : public FrameArrays {
  public:
   /// @param slm, params  must outlive this object
   /// @param frames       their levels are the start
-  ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames);
+  /// @param others       frames of other processes
+  ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames,
+                  const OtherFrames& others = {});
 
   std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
@@ -36,6 +39,7 @@ class ProcessorFrames : public FrameArrays {
 
   const Slm& slm_;
   const EncodeParams& params_;
+  OtherFrames others_;
   std::vector<Drive> rounded_, slopes_;  // of each frame
   std::vector<Frame> frames_;            // empty until the first step: frames that are only judged need none
 };

@@ -8,6 +8,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
+#include "holotrace/slm/encode/iterate/mean_exchange.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
@@ -26,8 +27,10 @@ class ProcessorLight : public ColourLight {
  public:
   /// @param levels  rounded drives of the frames
   /// @param slopes  gradients are added here
-  ProcessorLight(const PanelInLight& panel, const std::vector<Drive>& levels, std::vector<Drive>& slopes)
-      : lit_(panel), levels_(levels), slopes_(slopes) {}
+  /// @param others  frames of other processes: planes show the mean light of all
+  ProcessorLight(const PanelInLight& panel, const std::vector<Drive>& levels, std::vector<Drive>& slopes,
+                 const OtherFrames& others = {})
+      : lit_(panel), levels_(levels), slopes_(slopes), others_(others) {}
 
   void add(const TargetPlane& target) override;
   void leave(const PanelDetail& detail) override;
@@ -50,11 +53,13 @@ class ProcessorLight : public ColourLight {
   };
 
   bool has_means(SampleGroup group) const { return has_pixel_means(group, lit_.params.subpixels); }
+  double frames() const { return double(levels_.size() + others_.count); }
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
 
   PanelInLight lit_;
   const std::vector<Drive>& levels_;
   std::vector<Drive>& slopes_;
+  OtherFrames others_;
   std::vector<TargetWay> ways_;
   std::vector<Field> u_;                    // light that leaves the panel, of each frame
   PanelDetail detail_;                      // of that light

@@ -1,0 +1,52 @@
+#include "rank_links.h"
+
+#include <tbb/global_control.h>
+
+#include <cstdint>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/pack.h"
+#include "holotrace/slm/encode/iterate/shared_frames.h"
+#include "rank_tags.h"
+
+namespace holotrace {
+
+void RankLinks::send(int to, const std::string& bytes) {
+  if (ranks_.rank() == 0 && !ranks_.others_work) {
+    ranks_.others_work = true;
+    std::string threads;
+    pack(threads, int32_t(threads_));
+    for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, tag_frames, threads);
+  }
+  ranks_.send(to, tag_link, bytes);
+}
+
+std::string RankLinks::receive(int from) {
+  while (heard_[from].empty()) {
+    Ranks::Message message = ranks_.receive();
+    if (message.tag != tag_link) throw Error(message.bytes);
+    heard_[message.from].push_back(std::move(message.bytes));
+  }
+  std::string bytes = std::move(heard_[from].front());
+  heard_[from].pop_front();
+  return bytes;
+}
+
+bool RankLinks::has_job() {
+  Ranks::Message message = ranks_.receive();
+  if (message.tag != tag_link) return false;
+  heard_[message.from].push_back(std::move(message.bytes));
+  return true;
+}
+
+void serve_frames(Ranks& ranks, const Ranks::Message& first) {
+  int32_t threads = 0;
+  Unpacker(first.bytes).get(threads);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  size_t(threads > 0 ? threads : ranks.threads()));
+  RankLinks links(ranks);
+  while (links.has_job()) find_frames_of_others(links);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <string>
+
+#include "holotrace/base/process_links.h"
+#include "ranks.h"
+
+namespace holotrace {
+
+/// The ranks of mpirun as processes that share the frames of a descent (slm/encode/iterate/shared_frames.h).
+class RankLinks : public ProcessLinks {
+ public:
+  /// @param ranks    must outlive it
+  /// @param threads  of each rank; 0: its share of the cores
+  explicit RankLinks(Ranks& ranks, int threads = 0) : ranks_(ranks), threads_(threads) {}
+
+  int count() const override { return ranks_.size(); }
+  PlaceOnMachine here() const override { return {ranks_.rank_here(), ranks_.ranks_here()}; }
+  void send(int to, const std::string& bytes) override;
+  std::string receive(int from) override;
+
+  /// On a rank other than rank 0: waits for the next job. @return false if rank 0 has none
+  bool has_job();
+
+ private:
+  Ranks& ranks_;
+  int threads_;
+  std::map<int, std::deque<std::string>> heard_{};  // of each rank, what is not received yet
+};
+
+/// The part of the ranks other than rank 0, from rank 0's first message about frames on.
+void serve_frames(Ranks& ranks, const Ranks::Message& first);
+
+}  // namespace holotrace

@@ -1,0 +1,155 @@
+// The part of the processes other than process 0 in a descent whose frames they share.
+
+#include <deque>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/pack.h"
+#include "holotrace/slm/encode/iterate/descent_device.h"
+#include "holotrace/slm/encode/iterate/device_arrays.h"
+#include "holotrace/slm/encode/iterate/frame_messages.h"
+#include "holotrace/slm/encode/iterate/processor_arrays.h"
+#include "holotrace/slm/encode/iterate/shared_frames.h"
+
+namespace holotrace {
+namespace {
+
+template <class Value>
+void send_array(ProcessLinks& links, const Array2D<Value>& array) {
+  std::string bytes;
+  pack(bytes, array);
+  links.send(0, bytes);
+}
+
+// Process 0 adds up, and hands out.
+class ExchangeOfOthers : public MeanExchange {
+ public:
+  explicit ExchangeOfOthers(ProcessLinks& links) : links_(links) {}
+
+  bool is_first() const override { return false; }
+
+  void add_up(float* values, size_t count) override {
+    std::string bytes;
+    pack(bytes, std::vector<float>(values, values + count));
+    links_.send(0, bytes);
+  }
+
+  void hand_out(float* values, size_t count) override {
+    const std::string bytes = links_.receive(0);
+    std::vector<float> received;
+    Unpacker(bytes).get(received);
+    require(received.size() == count, "expected {} values from rank 0, got {}", count, received.size());
+    std::copy(received.begin(), received.end(), values);
+  }
+
+ private:
+  ProcessLinks& links_;
+};
+
+// A wavelength: the light needs its panel, and its planes as places without targets.
+struct ColourOfOthers {
+  DrivenPanel panel;
+  std::deque<TargetPlane> planes{};  // they stay where they are
+  std::unique_ptr<ColourLight> light{};
+};
+
+// The frames here.
+struct Member {
+  ProcessLinks& links;
+  FrameJob job;
+  ExchangeOfOthers exchange{links};
+  std::unique_ptr<FrameArrays> arrays{};
+  std::deque<ColourOfOthers> colours{};
+};
+
+void make_arrays(Member& member) {
+  const FrameJob& job = member.job;
+  const OtherFrames others{job.frames_of_all - job.frames.size(), &member.exchange};
+  const std::vector<Device*> devices = devices_of_process(job.params.device, member.links.here(), job.frames.size());
+  if (devices.empty())
+    member.arrays = std::make_unique<ProcessorFrames>(job.slm, job.params, job.frames, others);
+  else
+    member.arrays = std::make_unique<DeviceFrames>(devices, job.slm, job.params, job.frames, others);
+}
+
+void add_colour(Member& member, double wavelength) {
+  const FrameJob& job = member.job;
+  ColourOfOthers& colour =
+      member.colours.emplace_back(DrivenPanel(job.slm, job.frames.front(), wavelength, job.params.subpixels));
+  colour.light = member.arrays->light_of(colour.panel, wavelength);
+}
+
+void add_plane(ColourOfOthers& colour, const FrameOrderMessage& message) {
+  TargetPlane& plane = colour.planes.emplace_back();
+  plane.z = message.z;
+  plane.wavelength = message.wavelength;
+  plane.pupil = message.pupil;
+  colour.light->add(plane);
+}
+
+void send_levels(Member& member) {
+  std::vector<Hologram>& frames = member.job.frames;
+  member.arrays->write(frames);
+  for (const Hologram& frame : frames) {
+    send_array(member.links, frame.level);
+    send_array(member.links, frame.modulus_level);
+  }
+}
+
+void take_state(Member& member) {
+  std::vector<Array2D<float>> state(arrays_of_state(member.job.frames));
+  for (Array2D<float>& array : state) {
+    const std::string bytes = member.links.receive(0);
+    Unpacker(bytes).get(array);
+  }
+  member.arrays->restore(state);
+}
+
+void obey(Member& member, const FrameOrderMessage& message) {
+  FrameArrays& arrays = *member.arrays;
+  const auto colour = [&]() -> ColourOfOthers& { return member.colours.at(message.colour); };
+  switch (message.order) {
+    case FrameOrder::light_of:
+      return add_colour(member, message.wavelength);
+    case FrameOrder::add:
+      return add_plane(colour(), message);
+    case FrameOrder::clear_slopes:
+      return arrays.clear_slopes();
+    case FrameOrder::step:
+      return arrays.step(message.step);
+    case FrameOrder::leave:
+      return colour().light->leave(message.detail);
+    case FrameOrder::plane_sums:
+      colour().light->plane_sums(message.plane, message.group, message.is_kept);
+      return;
+    case FrameOrder::add_gradient:
+      colour().light->add_gradient(message.plane, message.group, message.scale, message.factor);
+      return;
+    case FrameOrder::add_views:
+      return colour().light->add_views(unpack_views(member.links.receive(0)), message.scale, message.factor);
+    case FrameOrder::write:
+      return send_levels(member);
+    case FrameOrder::state:
+      for (const Array2D<float>& array : arrays.state()) send_array(member.links, array);
+      return;
+    case FrameOrder::restore:
+      return take_state(member);
+    case FrameOrder::end:
+      return;
+  }
+}
+
+}  // namespace
+
+void find_frames_of_others(ProcessLinks& links) {
+  Member member{links, unpack_job(links.receive(0))};
+  for (Hologram& frame : member.job.frames) unpack_frame(links.receive(0), frame);
+  make_arrays(member);
+  for (FrameOrderMessage message; message.order != FrameOrder::end;) {
+    const std::string bytes = links.receive(0);
+    Unpacker(bytes).get(message);
+    obey(member, message);
+  }
+}
+
+}  // namespace holotrace

@@ -1,0 +1,200 @@
+#include "holotrace/slm/encode/iterate/shared_frames.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/pack.h"
+#include "holotrace/slm/encode/iterate/frame_messages.h"
+
+namespace holotrace {
+namespace {
+
+std::string packed(const FrameOrderMessage& message) {
+  std::string bytes;
+  pack(bytes, message);
+  return bytes;
+}
+
+template <class Value>
+void receive_array(ProcessLinks& links, int from, Array2D<Value>& array) {
+  const std::string bytes = links.receive(from);
+  Array2D<Value> received;
+  Unpacker(bytes).get(received);
+  require(array.size() == 0 || (received.nx == array.nx && received.ny == array.ny),
+          "expected {} × {} values from rank {}, got {} × {}", array.nx, array.ny, from, received.nx, received.ny);
+  array = std::move(received);
+}
+
+}  // namespace
+
+std::vector<FrameRange> ranges_of_frames(size_t frames, int processes) {
+  const size_t count = std::min(frames, size_t(processes));
+  std::vector<FrameRange> ranges;
+  for (size_t i = 0; i < count; ++i) ranges.push_back({i * frames / count, (i + 1) * frames / count});
+  return ranges;
+}
+
+class SharedFrames::Exchange : public MeanExchange {
+ public:
+  Exchange(ProcessLinks& links, int processes) : links_(links), processes_(processes) {}
+
+  bool is_first() const override { return true; }
+
+  void add_up(float* values, size_t count) override {
+    for (int process = 1; process < processes_; ++process) {
+      const std::string bytes = links_.receive(process);
+      std::vector<float> part;
+      Unpacker(bytes).get(part);
+      require(part.size() == count, "expected {} values from rank {}, got {}", count, process, part.size());
+      for (size_t i = 0; i < count; ++i) values[i] += part[i];
+    }
+  }
+
+  void hand_out(float* values, size_t count) override {
+    std::string bytes;
+    pack(bytes, std::vector<float>(values, values + count));
+    for (int process = 1; process < processes_; ++process) links_.send(process, bytes);
+  }
+
+ private:
+  ProcessLinks& links_;
+  int processes_;
+};
+
+// Orders go out before the own work, which waits for what they bring.
+class SharedFrames::Light : public ColourLight {
+ public:
+  Light(const SharedFrames& frames, uint64_t colour, std::unique_ptr<ColourLight> own)
+      : frames_(frames), colour_(colour), own_(std::move(own)) {}
+
+  void add(const TargetPlane& target) override {
+    FrameOrderMessage message = to(FrameOrder::add);
+    message.wavelength = target.wavelength;
+    message.z = target.z;
+    message.pupil = target.pupil;
+    frames_.order(packed(message));
+    own_->add(target);
+  }
+
+  void leave(const PanelDetail& detail) override {
+    FrameOrderMessage message = to(FrameOrder::leave);
+    message.detail = detail;
+    frames_.order(packed(message));
+    own_->leave(detail);
+  }
+
+  ModulusSums plane_sums(size_t plane, SampleGroup group, bool is_kept) override {
+    FrameOrderMessage message = to(FrameOrder::plane_sums);
+    message.plane = plane;
+    message.group = group;
+    message.is_kept = is_kept;
+    frames_.order(packed(message));
+    return own_->plane_sums(plane, group, is_kept);
+  }
+
+  double add_gradient(size_t plane, SampleGroup group, double scale, double factor) override {
+    FrameOrderMessage message = to(FrameOrder::add_gradient);
+    message.plane = plane;
+    message.group = group;
+    message.scale = scale;
+    message.factor = factor;
+    frames_.order(packed(message));
+    return own_->add_gradient(plane, group, scale, factor);
+  }
+
+  void add_views(const ViewTargets& views, double scale, double factor) override {
+    FrameOrderMessage message = to(FrameOrder::add_views);
+    message.scale = scale;
+    message.factor = factor;
+    frames_.order(packed(message));
+    frames_.order(pack_views(views));
+    own_->add_views(views, scale, factor);
+  }
+
+ private:
+  FrameOrderMessage to(FrameOrder order) const { return {.order = order, .colour = colour_}; }
+
+  const SharedFrames& frames_;
+  uint64_t colour_;
+  std::unique_ptr<ColourLight> own_;
+};
+
+SharedFrames::SharedFrames(ProcessLinks& links, const DescentSetup& setup, const DeviceChoice& device,
+                           const std::vector<Hologram>& frames, const MakeArrays& make)
+    : links_(links),
+      ranges_(ranges_of_frames(frames.size(), links.count())),
+      arrays_of_frame_(arrays_of_state(frames) / frames.size()),
+      exchange_(std::make_unique<Exchange>(links, int(ranges_.size()))) {
+  const auto of_range = [&](const FrameRange& range) {
+    return std::vector<Hologram>(frames.begin() + std::ptrdiff_t(range.first),
+                                 frames.begin() + std::ptrdiff_t(range.last));
+  };
+  FrameJob job{setup.slm, setup.params, {}, frames.size()};
+  job.params.device = device;
+  for (size_t i = 1; i < ranges_.size(); ++i) {
+    job.frames = of_range(ranges_[i]);
+    links_.send(int(i), pack_job(job));
+    for (const Hologram& frame : job.frames) links_.send(int(i), pack_frame(frame));
+  }
+  own_ = make(of_range(ranges_.front()), {frames.size() - ranges_.front().count(), exchange_.get()});
+}
+
+SharedFrames::~SharedFrames() = default;
+
+void SharedFrames::order(const std::string& bytes) const {
+  for (size_t i = 1; i < ranges_.size(); ++i) links_.send(int(i), bytes);
+}
+
+std::unique_ptr<ColourLight> SharedFrames::light_of(const DrivenPanel& panel, double wavelength) {
+  order(packed({.order = FrameOrder::light_of, .wavelength = wavelength}));
+  return std::make_unique<Light>(*this, colours_++, own_->light_of(panel, wavelength));
+}
+
+void SharedFrames::clear_slopes() {
+  order(packed({.order = FrameOrder::clear_slopes}));
+  own_->clear_slopes();
+}
+
+void SharedFrames::step(const DriveStep& step) {
+  FrameOrderMessage message{.order = FrameOrder::step};
+  message.step = step;
+  order(packed(message));
+  own_->step(step);
+}
+
+void SharedFrames::write(std::vector<Hologram>& frames) const {
+  order(packed({.order = FrameOrder::write}));
+  std::vector<Hologram> own(frames.begin(), frames.begin() + std::ptrdiff_t(ranges_.front().count()));
+  own_->write(own);
+  std::move(own.begin(), own.end(), frames.begin());
+  for (size_t i = 1; i < ranges_.size(); ++i)
+    for (size_t m = ranges_[i].first; m < ranges_[i].last; ++m) {
+      receive_array(links_, int(i), frames[m].level);
+      receive_array(links_, int(i), frames[m].modulus_level);
+    }
+}
+
+std::vector<Array2D<float>> SharedFrames::state() {
+  order(packed({.order = FrameOrder::state}));
+  std::vector<Array2D<float>> arrays = own_->state();
+  for (size_t i = 1; i < ranges_.size(); ++i)
+    for (size_t k = 0; k < ranges_[i].count() * arrays_of_frame_; ++k)
+      receive_array(links_, int(i), arrays.emplace_back());
+  return arrays;
+}
+
+void SharedFrames::restore(const std::vector<Array2D<float>>& state) {
+  order(packed({.order = FrameOrder::restore}));
+  for (size_t i = 1; i < ranges_.size(); ++i)
+    for (size_t k = ranges_[i].first * arrays_of_frame_; k < ranges_[i].last * arrays_of_frame_; ++k) {
+      std::string bytes;
+      pack(bytes, state[k]);
+      links_.send(int(i), bytes);
+    }
+  own_->restore({state.begin(), state.begin() + std::ptrdiff_t(ranges_.front().count() * arrays_of_frame_)});
+}
+
+void SharedFrames::finish() { order(packed({.order = FrameOrder::end})); }
+
+}  // namespace holotrace

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "holotrace/base/process_links.h"
+#include "holotrace/slm/encode/iterate/descent_arrays.h"
+#include "holotrace/slm/encode/iterate/frame_descent.h"
+#include "holotrace/slm/encode/iterate/mean_exchange.h"
+
+namespace holotrace {
+
+/// Frames [first, last) of a descent: those of process i of several.
+struct FrameRange {
+  size_t first = 0, last = 0;
+  size_t count() const { return last - first; }
+};
+
+/// The frames of each process: as equal in number as can be. Processes after as many as there are frames have none.
+std::vector<FrameRange> ranges_of_frames(size_t frames, int processes);
+
+/// The frames of a descent that several processes share, as process 0 sees them: its own, and orders to the others, which
+/// find_frames_of_others obeys.
+///
+/// **What is exchanged.** For each plane of an update 4 bytes per pixel of the panel come from each other process, its frames'
+/// part of the mean irradiance, and 4 go there, the factor of each pixel's error. Process 0 adds the parts in the order of the
+/// processes, so that the sum does not depend on time. Views do the same with the pixels of their pictures. Levels go there
+/// once and come back at the end; all that updates leave to the next ones does so for checkpoints.
+class SharedFrames : public FrameArrays {
+ public:
+  /// Own frames in arrays of this process, given those that others have.
+  using MakeArrays =
+      std::function<std::unique_ptr<FrameArrays>(const std::vector<Hologram>& own, const OtherFrames& others)>;
+
+  /// @param links   must outlive it, as this object must its light
+  /// @param device  of the other processes: each takes its own of equal ones (devices_of_process)
+  /// @throws Error  as the other processes do, here and in all functions
+  SharedFrames(ProcessLinks& links, const DescentSetup& setup, const DeviceChoice& device,
+               const std::vector<Hologram>& frames, const MakeArrays& make);
+  ~SharedFrames() override;
+
+  std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
+  void clear_slopes() override;
+  void step(const DriveStep& step) override;
+  void write(std::vector<Hologram>& frames) const override;
+  std::vector<Array2D<float>> state() override;
+  void restore(const std::vector<Array2D<float>>& state) override;
+
+  size_t processes() const { return ranges_.size(); }
+
+  /// Lets the other processes end. Without it they wait for orders.
+  void finish();
+
+ private:
+  class Exchange;
+  class Light;
+  void order(const std::string& bytes) const;
+
+  ProcessLinks& links_;
+  std::vector<FrameRange> ranges_;
+  size_t arrays_of_frame_;
+  std::unique_ptr<Exchange> exchange_;
+  std::unique_ptr<FrameArrays> own_;
+  uint64_t colours_ = 0;
+};
+
+/// The work of a process other than process 0: it finds its frames by the orders of one SharedFrames, until it ends.
+/// @throws Error  for what goes wrong here: the caller tells process 0
+void find_frames_of_others(ProcessLinks& links);
+
+}  // namespace holotrace

@@ -1,0 +1,251 @@
+// Gradient descent whose frames are shared among several processes. Here they are threads; tests/end_to_end/test_frame_ranks.cpp
+// has ranks of mpirun.
+
+#include <gtest/gtest.h>
+
+#include "holotrace/slm/encode/iterate/descent_device.h"
+#include "holotrace/slm/encode/iterate/descent_job.h"
+#include "holotrace/slm/encode/iterate/frame_messages.h"
+#include "holotrace/slm/encode/iterate/shared_frames.h"
+#include "slm/encode/iterate/descent_gradients.h"
+#include "slm/encode/iterate/thread_links.h"
+
+namespace holotrace {
+namespace {
+
+using test::are_same;
+using test::descent_cases;
+using test::DescentCase;
+using test::Gradient;
+using test::gradient_of;
+using test::relative;
+using test::ThreadLinks;
+
+// The mean of a pixel is the sum of a few positive floats in another order, which moves it by 1e-7 each; sums over it as much at
+// most. Slopes are differences of light, as in test_shared_descent.cpp.
+void expect_close(const Gradient& found, const Gradient& expected, const std::string& name) {
+  ASSERT_EQ(found.numbers.size(), expected.numbers.size()) << name;
+  for (size_t i = 0; i < found.numbers.size(); ++i)
+    EXPECT_NEAR(found.numbers[i], expected.numbers[i], 2e-6 * std::abs(expected.numbers[i])) << name << i;
+  ASSERT_EQ(found.slopes.size(), expected.slopes.size()) << name;
+  for (size_t m = 0; m < found.slopes.size(); ++m)
+    EXPECT_LT(relative(found.slopes[m], expected.slopes[m]), 1e-5) << name;
+}
+
+std::vector<Hologram> found(const DescentCase& one, ThreadLinks* links, const Observer& observer = {},
+                            const Checkpoint& checkpoint = {}) {
+  std::vector<Hologram> frames = one.start();
+  descend(one.targets(), one.slm, one.params, observer, frames, checkpoint, links);
+  return frames;
+}
+
+TEST(RangesOfFrames, AreAsEqualAsCanBeAndNeverEmpty) {
+  const auto counts = [](size_t frames, int processes) {
+    std::vector<size_t> counts;
+    size_t next = 0;
+    for (const FrameRange& range : ranges_of_frames(frames, processes)) {
+      EXPECT_EQ(range.first, next);
+      next = range.last;
+      counts.push_back(range.count());
+    }
+    EXPECT_EQ(next, frames);
+    return counts;
+  };
+  EXPECT_EQ(counts(8, 4), (std::vector<size_t>{2, 2, 2, 2}));
+  EXPECT_EQ(counts(7, 3), (std::vector<size_t>{2, 2, 3}));
+  EXPECT_EQ(counts(2, 5), (std::vector<size_t>{1, 1}));
+}
+
+// The fingerprint of a job has all that its result depends on.
+TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
+  DescentCase one{"all effects", 2};
+  one.slm.levels = 4;
+  one.levels = 4;
+  one.slm.fill_x = 0.8;
+  one.slm.fill_y = 0.9;
+  one.slm.design_wavelength = 633e-9;
+  one.slm.phase_range = 5;
+  one.slm.grid.centre_x = 1e-5;
+  SlmEffects& effects = one.slm.effects;
+  effects.calibration = {{0, 1}, {1, 0.9}, {2, 0.8}, {3, 0.7}};
+  effects.crosstalk = 0.3;
+  effects.gap_amplitude = 0.2;
+  effects.gap_phase = 0.1;
+  effects.flicker = 0.05;
+  effects.aberration = {{2, 0, 0.4}};
+  effects.phase_map = std::make_shared<Array2D<float>>(one.slm.grid.ny, one.slm.grid.nx, 0.5F);
+  effects.light_map = std::make_shared<Array2D<float>>(one.slm.grid.ny, one.slm.grid.nx, 0.6F);
+  effects.dead_fraction = 0.01;
+  effects.dead_seed = 7;
+  effects.dead_pixels = {{1, 2, 3}};
+  one.slm.modulation = Modulation::complex;
+  one.params.stop = 0.7;
+  one.params.subpixels = 3;
+  one.params.planes_per_update = 2;
+  one.params.device = {DeviceKind::opencl, 5};
+  const FrameJob sent{one.slm, one.params, one.start(), 9};
+  FrameJob heard = unpack_job(pack_job(sent));
+  ASSERT_EQ(heard.frames.size(), sent.frames.size());
+  for (size_t m = 0; m < 2; ++m) unpack_frame(pack_frame(sent.frames[m]), heard.frames[m]);
+  EncodeParams params = one.params;  // with those that only process 0 needs
+  params.method = heard.params.method;
+  params.stop = heard.params.stop;
+  params.subpixels = heard.params.subpixels;
+  params.planes_per_update = heard.params.planes_per_update;
+  EXPECT_EQ(descent_job(one.targets(), heard.slm, params, heard.frames).job,
+            descent_job(one.targets(), sent.slm, sent.params, sent.frames).job);
+  EXPECT_EQ(heard.frames_of_all, 9u);
+  EXPECT_EQ(heard.params.device, sent.params.device);
+}
+
+// What several processes compute of the first update, each with devices of its own or, without, on the processor.
+Gradient gradient_of_shared(const DescentCase& one, int processes, const DeviceChoice& device) {
+  ThreadLinks links(processes, find_frames_of_others);
+  SharedFrames frames(links, {one.slm, one.params}, device, one.start(),
+                      [&](const std::vector<Hologram>& own, const OtherFrames& others) -> std::unique_ptr<FrameArrays> {
+                        const auto devices = devices_of_process(device, links.here(), own.size());
+                        if (devices.empty()) return std::make_unique<ProcessorFrames>(one.slm, one.params, own, others);
+                        return std::make_unique<DeviceFrames>(devices, one.slm, one.params, own, others);
+                      });
+  Gradient gradient = gradient_of(one, frames, {});
+  frames.finish();
+  return gradient;
+}
+
+TEST(SharedFrames, HaveTheSumsAndSlopesOfOneProcess) {
+  for (DescentCase one : descent_cases()) {
+    one.frames = std::max(one.frames, 2);
+    ProcessorFrames alone(one.slm, one.params, one.start());
+    const Gradient expected = gradient_of(one, alone, {});
+    for (const int processes : {2, 3})
+      expect_close(gradient_of_shared(one, processes, {}), expected, one.name + std::to_string(processes));
+  }
+}
+
+class SharedFramesOnDevices : public test::DescentsOnDevices {};
+HOLOTRACE_FOR_ALL_DEVICES(SharedFramesOnDevices);
+
+TEST_P(SharedFramesOnDevices, HaveTheSumsAndSlopesOfOneProcess) {
+  for (DescentCase one : descent_cases()) {
+    one.frames = std::max(one.frames, 3);
+    ProcessorFrames alone(one.slm, one.params, one.start());
+    expect_close(gradient_of_shared(one, 2, on_device(one.params).device), gradient_of(one, alone, {}), one.name);
+  }
+}
+
+// Frames differ by the rounding of their mean; of the loss that is less than 0.1 dB (2 %).
+TEST(SharedFrames, ReachTheLossOfOneProcessAndTheSameBytesEachTime) {
+  DescentCase one{"five frames", 5};
+  one.params.iterations = 12;
+  Heard of_one, of_three;
+  found(one, nullptr, of_one.observer());
+  ThreadLinks links(3, find_frames_of_others);
+  const std::vector<Hologram> levels = found(one, &links, of_three.observer());
+  for (const char* fact : {"loss_first", "loss_last", "target_efficiency"})
+    EXPECT_NEAR(of_three.number(fact), of_one.number(fact), 0.02 * of_one.number(fact)) << fact;
+  EXPECT_EQ(std::get<int64_t>(of_three.facts.at("processes")), 3);
+  EXPECT_EQ(of_one.facts.count("processes"), 0u);
+  EXPECT_TRUE(are_same(levels, found(one, &links))) << "the next job of the same processes";
+  EXPECT_FALSE(are_same(levels, one.start()));
+}
+
+// Without exchange a single frame is found, and processes that are left over have nothing to do.
+TEST(SharedFrames, MayBeFewerThanTheProcesses) {
+  DescentCase one{"one frame"}, two{"two frames", 2};
+  one.params.iterations = two.params.iterations = 3;
+  ThreadLinks links(4, find_frames_of_others), pair(2, find_frames_of_others);
+  EXPECT_TRUE(are_same(found(one, &links), found(one, nullptr)));
+  EXPECT_EQ(links.bytes_out(), 0u);
+  EXPECT_TRUE(are_same(found(two, &links), found(two, &pair)));
+}
+
+// Of an update with one plane: a part of the mean comes back, a factor and five orders go out. Vectors have their length before.
+TEST(SharedFrames, ExchangeTheLightOfThePlanesOnly) {
+  DescentCase one{"four frames", 4};
+  one.params.target_distances = {0.006};
+  const auto exchanged = [&](int iterations) {
+    one.params.iterations = iterations;
+    ThreadLinks links(2, find_frames_of_others);
+    found(one, &links);
+    return std::pair{links.bytes_out(), links.bytes_in()};
+  };
+  const auto four = exchanged(4), three = exchanged(3);
+  const size_t plane = size_t(one.slm.grid.pixels()) * sizeof(float) + sizeof(uint64_t);
+  EXPECT_EQ(four.first - three.first, plane + 5 * sizeof(FrameOrderMessage));
+  EXPECT_EQ(four.second - three.second, plane);
+}
+
+// The state is that of all frames: any number of processes goes on from it.
+TEST(SharedFrames, GoOnFromACheckpoint) {
+  DescentCase one{"three frames", 3};
+  one.params.iterations = 6;
+  std::optional<IterationState> kept;
+  int updates = 0;
+  const Checkpoint checkpoint{.load = [&](const IterationState&) { return kept; },
+                              .save = [&](const IterationState& now) { kept = now; },
+                              .is_due = [] { return false; },
+                              .is_stopping = [&] { return ++updates == 4; }};
+  {
+    ThreadLinks stopped(2, find_frames_of_others);
+    EXPECT_EQ(error_of([&] { found(one, &stopped, {}, checkpoint); }).substr(0, 13), "stopped after");
+  }
+  const IterationState at_stop = *kept;
+  ThreadLinks links(2, find_frames_of_others);
+  EXPECT_TRUE(are_same(found(one, &links, {}, checkpoint), found(one, &links)));
+
+  kept = at_stop;
+  Heard alone, whole;
+  found(one, nullptr, alone.observer(), checkpoint);
+  found(one, &links, whole.observer());
+  EXPECT_NEAR(alone.number("loss_last"), whole.number("loss_last"), 0.02 * whole.number("loss_last"));
+}
+
+TEST(SharedFrames, StopWithTheErrorOfAnother) {
+  DescentCase one{"two frames", 2};
+  int orders = 0;
+  ThreadLinks links(2, [&](ProcessLinks& there) {
+    unpack_job(there.receive(0));
+    while (++orders < 4) there.receive(0);
+    fail("expected this process to work, but it does not");
+  });
+  EXPECT_EQ(error_of([&] { found(one, &links); }), "expected this process to work, but it does not");
+}
+
+// Devices of a machine are divided among its processes. A machine with one device has two of them with HOLOTRACE_SPLIT_DEVICES=2.
+class SeveralProcessDevices : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (test::device_numbers().empty()) GTEST_SKIP() << "no OpenCL device here";
+    numbers_ = equal_devices(list_devices(), 0);
+    if (numbers_.size() != 2) GTEST_SKIP() << "one device of its kind, or more than two";
+  }
+  std::vector<int> numbers_;
+};
+
+TEST_F(SeveralProcessDevices, AreDividedAmongTheProcessesOfAMachine) {
+  const auto taken = [](DeviceChoice choice, PlaceOnMachine place, size_t frames) {
+    std::vector<int> numbers;
+    for (const Device* device : devices_of_process(choice, place, frames)) numbers.push_back(device->info().number);
+    return numbers;
+  };
+  using Numbers = std::vector<int>;
+  EXPECT_EQ(taken({}, {0, 1}, 4), Numbers{});
+  for (const DeviceChoice choice : {DeviceChoice{DeviceKind::opencl, numbers_[0]}, DeviceChoice{DeviceKind::all}}) {
+    EXPECT_EQ(taken(choice, {0, 2}, 4), Numbers{numbers_[0]});
+    EXPECT_EQ(taken(choice, {1, 2}, 4), Numbers{numbers_[1]});
+    EXPECT_EQ(taken(choice, {2, 3}, 4), Numbers{numbers_[0]}) << "in turn";
+  }
+  EXPECT_EQ(taken({DeviceKind::opencl, numbers_[1]}, {1, 2}, 4), Numbers{numbers_[0]});
+  EXPECT_EQ(taken({DeviceKind::all}, {0, 1}, 4), numbers_);
+  EXPECT_EQ(taken({DeviceKind::all}, {0, 1}, 1), Numbers{numbers_[0]});
+}
+
+// Two processes with one device each, and one process with both: the same parts in the same order.
+TEST_F(SeveralProcessDevices, HaveTheSumsAndSlopesOfTheProcessor) {
+  DescentCase one{"three frames", 3};
+  ProcessorFrames alone(one.slm, one.params, one.start());
+  expect_close(gradient_of_shared(one, 2, {DeviceKind::all}), gradient_of(one, alone, {}), one.name);
+}
+
+}  // namespace
+}  // namespace holotrace
