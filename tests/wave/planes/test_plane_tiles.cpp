@@ -80,9 +80,10 @@ TEST(PlaneTiles, SumCornersByTheShapeOfLeastWork) {
   EXPECT_LE(chosen.shape.columns, 128);
   EXPECT_LE(chosen.shape.rows, 60);
   EXPECT_LT(seconds(chosen), 0.9 * seconds(direct));
-  for (const TileShape& shape : tile_shapes)
+  for (const TileShape& shape : tile_shapes) {
     if (shape.columns <= 128 && shape.rows <= 60)  // a few percent: not all sides divide the tile
       EXPECT_LE(seconds(chosen), 1.05 * seconds({shape, direct.products})) << shape.columns << " × " << shape.rows;
+  }
 }
 
 // The frequencies of waves all over the acceptance are up to 240 cells, in floats: 1.2e-5 in tiles of 240 pixels.
