@@ -74,7 +74,8 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<De
   if (!plan.far.empty()) {
     const SortedWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
     const PlanesTables tables(plan.planes.plan, field.wavelength, field.grid.pitch);
-    const PlanesSum sum{waves, tables, plan.tiles.plan, field.grid};
+    const TilePlan of_corners = plan_of_corners(plan.tiles.plan, tables.plan.tile);
+    const PlanesSum sum{waves, tables, of_corners, field.grid};
     for_each_tile<PlanesWorkspace>(
         bounds, {tables.plan.tile, tables.plan.tile},
         [&](const PixelBox& box, PlanesWorkspace& own) { sum_planes_tile(sum, box, own, field.samples); },

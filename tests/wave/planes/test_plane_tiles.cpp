@@ -7,7 +7,9 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/wave/planes/plane_error.h"
+#include "holotrace/wave/planes/plane_plan.h"
 #include "holotrace/wave/planes/plane_slabs.h"
+#include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "support/fields.h"
 #include "support/wavelengths.h"
@@ -59,6 +61,29 @@ double expected_error(const std::vector<PreparedWave>& waves, const PlanesPlan& 
       measure_planes(draw_pixels(waves), depths_of(waves), grid, {0, grid.nx, 0, grid.ny}, green, plan);
   return std::hypot(std::sqrt(energies.error / energies.waves),
                     std::hypot(std::sqrt(2.0) * gridding_error(plan.width), rounding_error_of_planes(plan)));
+}
+
+// Corners at all pixels of a tile, one by one: no other shape within the direct sum's has less predicted work for them.
+TEST(PlaneTiles, SumCornersByTheShapeOfLeastWork) {
+  constexpr int tile = 120;
+  const TilePlan direct{{128, 60}, TileProducts::single};
+  const auto lines = [](int side) {  // those of the tiles that are lit, for all numbers of lit lines
+    double sum = 0;
+    for (int lit = 1; lit <= tile; ++lit) sum += (lit + side - 1) / side * side;
+    return sum / tile;
+  };
+  const auto seconds = [&](const TilePlan& plan) {
+    const double pixels = lines(plan.shape.columns) * lines(plan.shape.rows);
+    return predict_seconds(pixels * tile_work(plan), summation_rates(), 1);
+  };
+  const TilePlan chosen = plan_of_corners(direct, tile);
+  EXPECT_LE(chosen.shape.columns, 128);
+  EXPECT_LE(chosen.shape.rows, 60);
+  EXPECT_LT(seconds(chosen), 0.9 * seconds(direct));
+  for (const TileShape& shape : tile_shapes) {
+    if (shape.columns <= 128 && shape.rows <= 60)  // a few percent: not all sides divide the tile
+      EXPECT_LE(seconds(chosen), 1.05 * seconds({shape, direct.products})) << shape.columns << " × " << shape.rows;
+  }
 }
 
 // The frequencies of waves all over the acceptance are up to 240 cells, in floats: 1.2e-5 in tiles of 240 pixels.

@@ -35,6 +35,15 @@ constexpr double entry_waves = 2.5, entry_spreads = 8;
 
 double spreads_per_entry(const PlanesPlan& plan) { return entry_spreads * plan.nodes * std::max(plan.width, 4); }
 
+// Lines of a tile that are computed by tiles of `side`, of which its lines up to an edge anywhere within are lit: on average
+// half of them and half of a `side`.
+double lines_to_edge(int tile, int side) { return 0.5 * side * (std::ceil(double(tile) / side) + 1); }
+
+SummationWork work_of_corner(const TilePlan& direct, int tile) {
+  const auto [columns, rows] = direct.shape;
+  return lines_to_edge(tile, columns) * lines_to_edge(tile, rows) * tile_work(direct);
+}
+
 SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const TilePlan& direct) {
   const double nodes = plan.nodes, slots = std::bit_ceil(unsigned(plan.nodes));
   const double m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
@@ -49,8 +58,13 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
                      .spreads = counts.whole * spreads_per_wave(plan) + entries * spreads_per_entry(plan),
                      .fft_operations = lines * fft_operations(m),
                      .samples = lines * 2 * m};
-  const double in_tiles = counts.corners + (plan.has_strips ? 0 : counts.partial);
-  return work + in_tiles * plan.tile * plan.tile / 2 * tile_work(direct);
+  const TilePlan of_corners = plan_of_corners(direct, plan.tile);
+  work = work + counts.corners * work_of_corner(of_corners, plan.tile);
+  if (plan.has_strips) return work;
+  // An edge along either axis is as likely.
+  const auto [columns, rows] = of_corners.shape;
+  const double pixels = plan.tile * (lines_to_edge(plan.tile, columns) + lines_to_edge(plan.tile, rows)) / 2;
+  return work + counts.partial * pixels * tile_work(of_corners);
 }
 
 constexpr int most_slabs = 64, most_nodes = 8;
@@ -157,6 +171,18 @@ bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
 double spreads_per_wave(const PlanesPlan& plan) {
   const double width = std::max(plan.width, 4), cells_of_vector = 4;  // complex numbers of 8 floats
   return width * cells_of_vector * std::ceil(width * std::bit_ceil(unsigned(plan.nodes)) / cells_of_vector);
+}
+
+TilePlan plan_of_corners(const TilePlan& direct, int tile) {
+  const SummationRates rates = summation_rates();
+  const auto seconds = [&](const TilePlan& plan) { return predict_seconds(work_of_corner(plan, tile), rates, 1); };
+  TilePlan best = direct;
+  for (const TileShape& shape : tile_shapes) {
+    const TilePlan plan{shape, direct.products};
+    const bool is_within = shape.columns <= direct.shape.columns && shape.rows <= direct.shape.rows;
+    if (is_within && can_run(plan) && seconds(plan) < seconds(best)) best = plan;
+  }
+  return best;
 }
 
 PlanesCost planes_cost_on_processor(const TilePlan& direct) {

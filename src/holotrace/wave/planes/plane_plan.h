@@ -47,8 +47,13 @@ PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesC
 /// the kernel's cells, each line rounded up to vectors of 8 floats, whatever the instruction set.
 double spreads_per_wave(const PlanesPlan& plan);
 
+/// How the waves are summed that light a part of a tile of `tile` pixels which contains a corner of their box. A part that is
+/// lit needs only small tiles of the direct sum, so it is the fastest for a corner anywhere in the tile.
+/// @param direct  a plan that is accurate enough; smaller shapes are more accurate
+TilePlan plan_of_corners(const TilePlan& direct, int tile);
+
 /// One thread of the processor (cost_model.h).
-/// @param direct  plan for the direct sum in tiles that contain a corner of a wave's box
+/// @param direct  plan for the direct sum, from which that of corners follows
 PlanesCost planes_cost_on_processor(const TilePlan& direct);
 
 }  // namespace holotrace

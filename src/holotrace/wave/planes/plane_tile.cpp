@@ -16,6 +16,19 @@ namespace {
 
 using Complex = std::complex<float>;
 
+// The nodes of a slab: their curvatures [cycles/m²] and plane_chirp of each.
+struct SlabNodes {
+  std::vector<double> curvatures;
+  std::vector<std::vector<Complex>> chirps;
+
+  SlabNodes(const Slab& slab, const PlanesTables& t) {
+    for (const double node : t.nodes) {
+      curvatures.push_back(slab.centre + slab.half * node);
+      chirps.push_back(plane_chirp(t, curvatures.back()));
+    }
+  }
+};
+
 // Adds one node's terms in rows [first, first + 16) of the tile to workspace.tile, [column][row].
 void add_node(int first, double kappa, const std::vector<Complex>& chirp, const PlanesTables& t, PlanesWorkspace& w) {
   const int tile = t.plan.tile, rows = std::min(column_block, tile - first);
@@ -43,28 +56,22 @@ void add_node(int first, double kappa, const std::vector<Complex>& chirp, const 
 }
 
 // Transforms the grids of a slab's nodes to the tile's pixels.
-void add_nodes(const Slab& slab, const PlanesTables& t, PlanesWorkspace& w) {
-  std::vector<double> curvatures;
-  std::vector<std::vector<Complex>> chirps;
-  for (const double node : t.nodes) {
-    curvatures.push_back(slab.centre + slab.half * node);
-    chirps.push_back(plane_chirp(t, curvatures.back()));
-  }
+void add_nodes(const SlabNodes& nodes, const PlanesTables& t, PlanesWorkspace& w) {
   transform_columns(t, w);
   for (int first = 0; first < t.plan.tile; first += column_block) {
     turn_rows(first, t, w);
-    for (size_t q = 0; q < chirps.size(); ++q) {
+    for (size_t q = 0; q < nodes.chirps.size(); ++q) {
       transform_rows(int(q), t, w);
-      add_node(first, curvatures[q], chirps[q], t, w);
+      add_node(first, nodes.curvatures[q], nodes.chirps[q], t, w);
     }
   }
 }
 
 // Transforms a strip's lines to the tile's pixels and adds them to workspace.tile.
-void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int strip, PlanesWorkspace& w) {
+void add_strip(const SlabNodes& nodes, const PlanesTables& t, bool is_across_rows, int strip, PlanesWorkspace& w) {
   const int tile = t.plan.tile, first = strip * strip_width, lines = std::min(strip_width, tile - first);
   for (int q = 0; q < t.plan.nodes; ++q) {
-    const std::vector<Complex> bend = plane_chirp(t, slab.centre + slab.half * t.nodes[size_t(q)]);
+    const std::vector<Complex>& bend = nodes.chirps[size_t(q)];
     const Complex* const pixels = transform_strip(q, t, w);
     for (int j = 0; j < tile; ++j)
       for (int l = 0; l < lines; ++l) {
@@ -75,15 +82,15 @@ void add_strip(const Slab& slab, const PlanesTables& t, bool is_across_rows, int
 }
 
 // Spreads and empties the lists of strips that have `least` entries or more.
-void add_strips(size_t least, const SortedWaves& waves, const Slab& slab, const PlanesTables& t, const TilePlace& place,
-                PlanesWorkspace& w) {
+void add_strips(size_t least, const SortedWaves& waves, const Slab& slab, const SlabNodes& nodes, const PlanesTables& t,
+                const TilePlace& place, PlanesWorkspace& w) {
   for (int axis = 0; axis < 2; ++axis)
     for (int s = 0; s < 16; ++s) {
       std::vector<StripEntry>& entries = w.entries[axis][s];
       if (entries.size() < least) continue;
       w.strip.assign(size_t(t.plan.nodes) * size_t(t.cells) * 2 * strip_width, 0.0f);
       spread_strip(waves.waves, slab, t, place, {axis == 1, s}, w);
-      add_strip(slab, t, axis == 1, s, w);
+      add_strip(nodes, t, axis == 1, s, w);
       entries.clear();
     }
 }
@@ -159,15 +166,16 @@ void sum_planes_tile(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace&
   w.tile.assign(size_t(tile) * size_t(tile), Complex());
   w.direct.clear();
   for (const Slab& slab : waves.slabs) {
+    const SlabNodes nodes(slab, t);
     w.grids.assign(t.grid_size(), 0.0f);
     bool any = false;
     for (size_t packet = 0; packet < slab.packets.size();) {
       any = spread_waves(waves.waves, slab, t, place, packet, w) || any;
       // Strips are linear in the waves: one with a full list is transformed for the waves up to here.
-      add_strips(packet < slab.packets.size() ? full_list : 1, waves, slab, t, place, w);
+      add_strips(packet < slab.packets.size() ? full_list : 1, waves, slab, nodes, t, place, w);
       if (w.direct.size() >= full_list) sum_direct(sum, box, w, samples);
     }
-    if (any) add_nodes(slab, t, w);
+    if (any) add_nodes(nodes, t, w);
   }
   sum_direct(sum, box, w, samples);
   for (int j = box.y0; j < box.y1; ++j)

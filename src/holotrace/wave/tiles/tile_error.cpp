@@ -53,14 +53,10 @@ SummationWork tile_work(const TilePlan& plan) {
   return work;
 }
 
-namespace {
-
 // Packed products need blocks of 32 × 32.
 bool can_run(const TilePlan& plan) {
   return plan.products == TileProducts::single || (packed_unit() != PackedUnit::none && plan.shape.rows >= 30);
 }
-
-}  // namespace
 
 TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
   TileChoice best{};

@@ -77,6 +77,9 @@ struct TileChoice {
 /// tolerance; the most accurate one if none is.
 TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goal);
 
+/// Whether this processor has the units of the plan's products, and these suit its shape.
+bool can_run(const TilePlan& plan);
+
 /// Work of a plan for one wave and pixel: its products plus, spread over the tile, the work per column, per row
 /// and per tile.
 SummationWork tile_work(const TilePlan& plan);
