@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(On, SumPlanesBox, ::testing::ValuesIn(test::processor_a
 // y that is ∂²r/∂y²/λ = (1 − y²/r²)/λr, from 1/λd on the axis to the least at the corner of the box of the farthest
 // wave.
 TEST(PlaneSlabs, HoldTheCurvaturesOfAllLightInTheirBoxes) {
-  const DepthRange depths{0.15_m, 0.3_m};
+  const WaveDepths depths{0.15_m, 0.3_m};
   for (const double pitch : {8_um, 3.74_um}) {
     const double tangent = acceptance_tangent(green, pitch);
     for (const int count : {1, 4}) {

@@ -69,7 +69,7 @@ int in_own_strip(int line) { return line % strip_width - strip_width / 2; }
 
 }  // namespace
 
-SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
+SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const WaveDepths& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan) {
   const PlanesModel model(plan, wavelength, grid.pitch);
   const Slabs slabs{depths, plan.slabs};

@@ -9,7 +9,7 @@ namespace holotrace {
 
 /// The error of the expansion of waves in the tiles of a plan (sum_planes.h), without the error of gridding. It is
 /// measured at pixels that the waves light, as in measure_split.
-SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const DepthRange& depths, const Grid& grid,
+SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const WaveDepths& depths, const Grid& grid,
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan);
 
 /// Relative L2 error of rounding, over all of the panel's acceptance: products in single precision, and frequencies of up to

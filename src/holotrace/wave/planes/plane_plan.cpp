@@ -154,7 +154,7 @@ class PlanSearch {
   const Grid grid_;
   const PixelBox bounds_;
   const double wavelength_, goal_, most_seconds_;
-  const DepthRange depths_;
+  const WaveDepths depths_;
   std::vector<DrawnPixel> pixels_;
   PlanesCounts counts_;
   int most_nodes_ = most_nodes;

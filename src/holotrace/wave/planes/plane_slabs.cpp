@@ -25,7 +25,7 @@ double reach_tangent(double wavelength, double pitch) { return 1.2 * acceptance_
 
 }  // namespace
 
-DepthRange depths_of(const std::vector<PreparedWave>& waves) {
+WaveDepths depths_of(const std::vector<PreparedWave>& waves) {
   const auto [nearest, farthest] = std::minmax_element(
       waves.begin(), waves.end(), [](const PreparedWave& a, const PreparedWave& b) { return a.depth < b.depth; });
   return {nearest->depth, farthest->depth};
@@ -58,7 +58,7 @@ WavePacket packet_of_waves(const std::vector<PreparedWave>& waves, size_t first,
 }
 
 SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
-  const DepthRange depths = depths_of(waves);
+  const WaveDepths depths = depths_of(waves);
   const Slabs slabs{depths, plan.slabs};
   // Rows of eight cells of a grid, so that the cells of successive waves stay in the cache.
   const double cell = wavelength * std::sqrt(depths.nearest * depths.farthest) / (2 * plan.tile * pitch);

@@ -7,16 +7,16 @@
 namespace holotrace {
 
 /// Depths of a set of waves [m].
-struct DepthRange {
+struct WaveDepths {
   double nearest, farthest;
 };
 
 /// @param waves  at least one wave
-DepthRange depths_of(const std::vector<PreparedWave>& waves);
+WaveDepths depths_of(const std::vector<PreparedWave>& waves);
 
 /// Slabs of equal steps of 1/depth, from the nearest wave to the farthest.
 struct Slabs {
-  DepthRange depths;
+  WaveDepths depths;
   int count;
 
   int of(double depth) const;
