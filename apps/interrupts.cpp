@@ -29,6 +29,12 @@ void end(int) {
 
 }  // namespace
 
+void ignore_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGINT, &action, nullptr);
+}
+
 void end_on_interrupt() {
   struct sigaction before {};
   if (sigaction(SIGINT, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) return;  // nohup, or a shell's "&"

@@ -5,6 +5,9 @@ namespace holotrace {
 /// Exit code of a program that Ctrl-C ended: 128 and the number of the signal, as shells have it.
 constexpr int interrupted_exit_code = 130;
 
+/// From here on Ctrl-C has no effect on this process.
+void ignore_interrupts();
+
 /// From here on Ctrl-C (SIGINT) ends the program with a sentence that says what is kept, and interrupted_exit_code. Files
 /// are written whole or not at all, so earlier ones stay as they were. In the 10 ms before main, while the system loads
 /// the libraries, Ctrl-C ends the program by the signal itself, without a sentence: nothing has been done then.

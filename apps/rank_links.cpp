@@ -1,5 +1,6 @@
 #include "rank_links.h"
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/pack.h"
 #include "holotrace/slm/encode/iterate/shared_frames.h"
+#include "interrupts.h"
 #include "rank_tags.h"
 
 namespace holotrace {
@@ -25,7 +27,7 @@ void RankLinks::send(int to, const std::string& bytes) {
 std::string RankLinks::receive(int from) {
   while (heard_[from].empty()) {
     Ranks::Message message = ranks_.receive();
-    if (message.tag != tag_link) throw Error(message.bytes);
+    if (message.tag != tag_link) throw Error(fmt::format("rank {}: {}", message.from, message.bytes));
     heard_[message.from].push_back(std::move(message.bytes));
   }
   std::string bytes = std::move(heard_[from].front());
@@ -45,6 +47,7 @@ void serve_frames(Ranks& ranks, const Ranks::Message& first) {
   Unpacker(first.bytes).get(threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   size_t(threads > 0 ? threads : ranks.threads()));
+  ignore_interrupts();  // rank 0 saves, and ends all ranks
   RankLinks links(ranks);
   while (links.has_job()) find_frames_of_others(links);
 }

@@ -192,7 +192,7 @@ TEST_P(PlacedSums, AreTheSameIfKernelsAreStartedInParts) {
     const Field in_parts = synthesize(sources_, panel_, params_);
     device_.limit_groups(0);
     EXPECT_GT(device_.use().kernels, before);
-    EXPECT_EQ(in_parts.samples.values, expected.samples.values) << name_of(method);
+    EXPECT_EQ(in_parts.samples.values, expected.samples.values) << int(method);
   }
 }
 

@@ -9,8 +9,8 @@ struct PlaceOnMachine {
   int number = 0, count = 1;
 };
 
-/// Messages between the processes 0 … count − 1 of a job. The program gives them (by MPI); the library knows no more of it.
-/// Messages from one process to another arrive in their order. For one thread of each process.
+/// Messages between the processes 0 … count − 1 of a job. The program sends them, by MPI. Messages from one process to
+/// another arrive in their order. Only one thread of each process may use them.
 class ProcessLinks {
  public:
   virtual ~ProcessLinks() = default;

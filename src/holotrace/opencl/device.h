@@ -123,7 +123,7 @@ class Device {
   /// What one buffer can have of it [bytes].
   double free_memory() const;
 
-  /// For tests: memory that the device is said to have [bytes]; 0: its own.
+  /// Memory that the device is said to have [bytes], if others use it as well, or for tests; 0: its own.
   void limit_memory(double bytes);
   /// For tests: buffers made from now on have guards on both sides, which are checked when they are released.
   void guard_buffers(bool has_guards);

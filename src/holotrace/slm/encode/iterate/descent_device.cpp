@@ -101,12 +101,16 @@ DescentWork work_on(const Device& device, const Share& share) {
 // Starts of the kernels of an update, and waiting for its sums, on slow drivers [s].
 constexpr double seconds_to_start = 2e-3;
 
+double seconds_on(Device& device, const Share& share, size_t devices) {
+  const DeviceRates rates = device_rates(device);
+  const DescentWork work = work_on(device, share);
+  return work.moved / rates.moved_bytes + (work.kept * double(devices) + work.carried + work.exchanged) / rates.bytes +
+         iterations_of(share.setup.params) * seconds_to_start;
+}
+
 double seconds_on(Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
                   size_t devices) {
-  const DeviceRates rates = device_rates(device);
-  const DescentWork work = work_on(device, {targets, setup, frames, (frames + devices - 1) / devices});
-  return work.moved / rates.moved_bytes + (work.kept * double(devices) + work.carried + work.exchanged) / rates.bytes +
-         iterations_of(setup.params) * seconds_to_start;
+  return seconds_on(device, {targets, setup, frames, (frames + devices - 1) / devices}, devices);
 }
 
 // Devices, the number of the first one's equals that do it in the least time, and that time.
@@ -162,6 +166,12 @@ std::vector<int> part_of(const std::vector<int>& equals, const PlaceOnMachine& p
   return part;
 }
 
+// The processes of a machine that use a device, which take all of its equals in turn.
+int processes_on(int device, const PlaceOnMachine& place) {
+  const int equals = int(equal_devices(list_devices(), device).size());
+  return (place.count + equals - 1) / equals;
+}
+
 // Iterations use all memory that there is: what is kept there for later is soon made again.
 std::vector<Device*> emptied(const std::vector<Device*>& devices) {
   for (Device* device : devices) make_room(*device, std::numeric_limits<double>::infinity());
@@ -175,12 +185,15 @@ std::vector<Device*> devices_for_descent(const std::vector<TargetPlane>& targets
   return emptied(chosen_for(targets, setup, frames));
 }
 
-DeviceChoice common_device(const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames) {
+DeviceChoice common_device(const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+                           const SharedCount& frames, const PlaceOnMachine& place) {
   const DeviceChoice& choice = setup.params.device;
   if (choice.kind != DeviceKind::automatic) return choice;
-  const Device* const fastest =
-      fastest_device(seconds_on_processor({targets, setup, frames, frames}),
-                     [&](Device& device) { return seconds_on(device, targets, setup, frames, 1); });
+  const Share share{targets, setup, frames.all, frames.own};
+  // The processes of a machine have its cores together, and take turns on its devices if there are fewer of them.
+  const Device* const fastest = fastest_device(place.count * seconds_on_processor(share), [&](Device& device) {
+    return processes_on(device.info().number, place) * seconds_on(device, share, 1);
+  });
   return fastest ? DeviceChoice{DeviceKind::opencl, fastest->info().number} : DeviceChoice{};
 }
 
@@ -190,7 +203,12 @@ std::vector<Device*> devices_of_process(const DeviceChoice& choice, const PlaceO
   if (choice.kind == DeviceKind::all) numbers = part_of(equal_devices(list_devices(), 0), place);
   if (numbers.size() > frames) numbers.resize(frames);
   std::vector<Device*> devices;
-  for (const int number : numbers) devices.push_back(&open_device(number));
+  for (const int number : numbers) {
+    Device& device = open_device(number);
+    const int sharing = processes_on(number, place);
+    if (sharing > 1) device.limit_memory(device.info().memory / sharing);
+    devices.push_back(&device);
+  }
   return emptied(devices);
 }
 

@@ -124,8 +124,9 @@ void descend_on(const IterationPlace& place, const Processes& processes, const T
   const auto& [observer, checkpoint] = listeners;
   const int iterations = iterations_of(setup.params);
   SharedFrames* shared = nullptr;
+  const int here = processes.links ? std::min(processes.links->here().count, int(frames.size())) : 1;
   const auto own_arrays = [&](const std::vector<Hologram>& own, const OtherFrames& others) {
-    if (place.devices.empty()) require_memory_for_descent(targets.planes.size(), setup.slm, setup.params, own);
+    if (place.devices.empty()) require_memory_for_descent(targets.planes.size(), setup.slm, setup.params, own, here);
     return arrays_on(place, setup, own, others);
   };
   const auto arrays = [&]() -> std::unique_ptr<FrameArrays> {
@@ -172,7 +173,7 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   const Listeners listeners{observer, checkpoint};
   if (links && links->count() > 1 && frames.size() > 1) {
     const size_t own = ranges_of_frames(frames.size(), links->count()).front().count();
-    const DeviceChoice device = common_device(targets.planes, setup, own);
+    const DeviceChoice device = common_device(targets.planes, setup, {frames.size(), own}, links->here());
     const IterationPlace place{devices_of_process(device, links->here(), own)};
     return descend_on(place, {links, device}, targets, setup, frames, listeners);
   }

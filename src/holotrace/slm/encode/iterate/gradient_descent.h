@@ -65,7 +65,7 @@ class Device;
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
 ///                 another job, and if it says stop; as devices_for_descent and Device do
-/// Facts: `iterations`, `device` (its name, on a device), `devices` (their number, on several), `processes` (their
+/// Facts: `iterations`, `device` (its name, on a device), `devices` (their number in this process, on several), `processes` (their
 /// number, of several), `loss_first`, `loss_last` (f), and those of judge. Curve:
 /// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
 /// the final levels. Cost for each frame and plane of an iteration: one transform there and one back, and as many more as

@@ -99,15 +99,16 @@ void ProcessorFrames::restore(const std::vector<Array2D<float>>& state) {
 
 // Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames.
 void require_memory_for_descent(size_t planes, const Slm& slm, const EncodeParams& params,
-                                const std::vector<Hologram>& frames) {
+                                const std::vector<Hologram>& frames, int processes) {
   const Grid& grid = slm.grid;
   const size_t arrays = frames.front().modulation == Modulation::complex ? 2 : 1;
   const double fine = double(params.subpixels) * params.subpixels, samples = params.subpixels > 1 ? fine : 4;
   const size_t at_once = params.planes_per_update == 0 ? planes : std::min(planes, size_t(params.planes_per_update));
   const double of_plane = 4 + 16 * fine, of_frame = 20 * double(arrays) + 8 * fine + 8 * samples * double(at_once);
-  require_memory(double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames.size())),
-                 fmt::format("gradient descent for {} frame(s) of {} × {} pixels and {} target plane(s)", frames.size(),
-                             grid.nx, grid.ny, planes));
+  require_memory(
+      processes * double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames.size())),
+      fmt::format("gradient descent for {} frame(s) of {} × {} pixels and {} target plane(s){}", frames.size(), grid.nx,
+                  grid.ny, planes, processes > 1 ? fmt::format(" in each of {} processes", processes) : ""));
 }
 
 }  // namespace holotrace

@@ -44,8 +44,9 @@ class ProcessorFrames : public FrameArrays {
   std::vector<Frame> frames_;            // empty until the first step: frames that are only judged need none
 };
 
-/// @throws Error  if the memory does not suffice for a descent on the processor
+/// @param processes  of this machine that each have so many frames
+/// @throws Error     if the memory does not suffice for a descent on the processor
 void require_memory_for_descent(size_t planes, const Slm& slm, const EncodeParams& params,
-                                const std::vector<Hologram>& frames);
+                                const std::vector<Hologram>& frames, int processes = 1);
 
 }  // namespace holotrace

@@ -25,8 +25,8 @@ std::vector<FrameRange> ranges_of_frames(size_t frames, int processes);
 ///
 /// **What is exchanged.** For each plane of an update 4 bytes per pixel of the panel come from each other process, its frames'
 /// part of the mean irradiance, and 4 go there, the factor of each pixel's error. Process 0 adds the parts in the order of the
-/// processes, so that the sum does not depend on time. Views do the same with the pixels of their pictures. Levels go there
-/// once and come back at the end; all that updates leave to the next ones does so for checkpoints.
+/// processes, so that the sum does not depend on timing. Views do the same with the pixels of their pictures. Levels go there
+/// once and come back at the end. For a checkpoint the state of each frame comes to process 0.
 class SharedFrames : public FrameArrays {
  public:
   /// Own frames in arrays of this process, given those that others have.
