@@ -11,8 +11,7 @@ namespace holotrace {
 
 namespace {
 
-constexpr double bytes_of_sample = sizeof(std::complex<float>), bytes_of_level = sizeof(uint16_t),
-                 bytes_of_row_sums = 16;
+constexpr double sample_bytes = sizeof(std::complex<float>), level_bytes = sizeof(uint16_t);
 
 // What rows and columns take on a device, and the part of its memory that they may have.
 struct BandBytes {
@@ -24,12 +23,12 @@ BandBytes band_bytes(const EncodeParams& params, const Grid& grid, double wavele
   BandBytes bytes;
   const auto stop = stop_of(params, grid, wavelength);
   bytes.tables = encode_table_bytes(params, grid, wavelength);
-  bytes.row = bytes_of_row_sums + (bytes_of_sample + bytes_of_level) * grid.nx;
+  bytes.row = bytes_of_row_sums + (sample_bytes + level_bytes) * grid.nx;
   if (!stop) return bytes;
   bytes.part = 0.5;
   bytes.columns = pass_band(grid, *stop).x.count;
-  bytes.row = std::max(bytes.row, bytes_of_row_sums + bytes_of_sample * (grid.nx + bytes.columns));
-  bytes.column = bytes_of_row_sums + 2 * bytes_of_sample * grid.ny;
+  bytes.row = std::max(bytes.row, bytes_of_row_sums + sample_bytes * (grid.nx + bytes.columns));
+  bytes.column = bytes_of_row_sums + 2 * sample_bytes * grid.ny;
   return bytes;
 }
 
@@ -38,7 +37,7 @@ BandBytes band_bytes(const EncodeParams& params, const Grid& grid, double wavele
 double encode_table_bytes(const EncodeParams& params, const Grid& grid, double wavelength) {
   if (!stop_of(params, grid, wavelength)) return 0;
   const double counts = params.method == Encoding::double_phase ? sizeof(uint32_t) * (modulus_steps + 1) : 0;
-  return counts + bytes_of_sample * (2.0 * (grid.nx + grid.ny) + 2.0 * std::max(grid.nx, grid.ny));
+  return counts + sample_bytes * (2.0 * (grid.nx + grid.ny) + 2.0 * std::max(grid.nx, grid.ny));
 }
 
 EncodeBands encode_bands(const EncodeParams& params, const Grid& grid, double wavelength, double memory,
@@ -47,10 +46,10 @@ EncodeBands encode_bands(const EncodeParams& params, const Grid& grid, double wa
   const double space = bytes.part * memory - bytes.tables;
   const auto at_most = [](double a, double b, double all) { return int(std::clamp(std::min(a, b), 0.0, all)); };
   EncodeBands bands;
-  bands.rows = at_most(space / bytes.row, largest / (bytes_of_sample * grid.nx), grid.ny);
+  bands.rows = at_most(space / bytes.row, largest / (sample_bytes * grid.nx), grid.ny);
   if (bands.rows < grid.ny) bands.rows -= bands.rows % 2;
   bands.columns =
-      bytes.column > 0 ? at_most(space / bytes.column, largest / (bytes_of_sample * grid.ny), bytes.columns) : 1;
+      bytes.column > 0 ? at_most(space / bytes.column, largest / (sample_bytes * grid.ny), bytes.columns) : 1;
   return bands;
 }
 

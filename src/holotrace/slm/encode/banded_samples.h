@@ -25,6 +25,9 @@ struct EncodeBands {
 EncodeBands encode_bands(const EncodeParams& params, const Grid& grid, double wavelength, double memory,
                          double largest);
 
+/// Memory for the sums of a row (device_moments.h, device_levels.h).
+inline constexpr double bytes_of_row_sums = 16;
+
 /// The memory that the smallest bands need: two rows, or a column [bytes].
 double least_encode_memory(const EncodeParams& params, const Grid& grid, double wavelength);
 

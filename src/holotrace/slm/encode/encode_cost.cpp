@@ -20,8 +20,7 @@
 namespace holotrace {
 namespace {
 
-constexpr double bytes_of_sample = sizeof(std::complex<float>), bytes_of_level = sizeof(uint16_t),
-                 bytes_of_row_sums = 16;
+constexpr double bytes_of_sample = sizeof(std::complex<float>), bytes_of_level = sizeof(uint16_t);
 
 // Starts of the kernels and waiting for them, on slow drivers [s].
 constexpr double seconds_to_start_kernels = 1e-3;
