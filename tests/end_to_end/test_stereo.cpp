@@ -13,7 +13,7 @@ namespace {
 
 // A point 40 mm behind the panel, seen with focus at 30 mm by eyes 0.8 mm apart. The left eye sees it farther right
 // than the right eye, by 0.8 mm·(30 − 40)/40 = −0.2 mm.
-std::string scene() {
+std::string stereo_scene() {
   return scene_head() + points_object() +
          "[camera]\ndistances = \"30 mm\"\npupil = \"0.6 mm\"\n"
          "[render]\nrows = 192\ncolumns = 256\nfield_of_view = \"1.4665 deg\"\nfocus = \"30 mm\"\n"
@@ -43,7 +43,7 @@ TEST(Stereo, ThePairOfARenderShowsDisparityBySimilarTriangles) {
   const Workplace work;
   for (const double depth : {0.04, 0.03, 0.025}) {
     work.write("points.ply", point_file({{{0.0001, 0, -depth}}}));
-    work.write("scene.toml", scene());
+    work.write("scene.toml", stereo_scene());
     ASSERT_EQ(work.run({"render", "scene.toml", "-o", "x.exr"}).exit_code, 0);
     const double pixel = 2 * std::tan(1.4665 * 3.141592653589793 / 180) / 192 * 0.03;
     const double seen =
@@ -59,7 +59,7 @@ TEST(Stereo, ThePairOfARenderShowsDisparityBySimilarTriangles) {
 TEST(Stereo, TheFlagOverrulesTheSceneAndTheAnaglyphHoldsBothPictures) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.04}}}));
-  work.write("scene.toml", scene());
+  work.write("scene.toml", stereo_scene());
   ASSERT_EQ(work.run({"render", "scene.toml", "-o", "x.exr", "--eye-separation", "0.4 mm"}).exit_code, 0);
   const Image left = load_image(work.path("x_left.exr")), right = load_image(work.path("x_right.exr")),
               both = load_image(work.path("x.exr"));
@@ -77,7 +77,7 @@ TEST(Stereo, TheFlagOverrulesTheSceneAndTheAnaglyphHoldsBothPictures) {
 TEST(Stereo, TheHolographicPairShowsTheSameDisparity) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.04}}}));
-  work.write("scene.toml", scene());
+  work.write("scene.toml", stereo_scene());
   const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--eye-separation", "0.8 mm"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto apart = [&](const std::string& name) {
@@ -100,7 +100,7 @@ TEST(Stereo, TheHolographicPairShowsTheSameDisparity) {
 TEST(Stereo, RunNeedsAPupilForTheHologramsPair) {
   const Workplace work;
   work.write("points.ply", point_file({{{0, 0, -0.04}}}));
-  std::string text = scene();
+  std::string text = stereo_scene();
   text.replace(text.find("pupil = \"0.6 mm\""), 16, "pupil = \"0 mm\"");
   work.write("scene.toml", text);
   const Outcome outcome = work.run({"run", "scene.toml", "-o", "out"});
