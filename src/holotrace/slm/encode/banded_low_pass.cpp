@@ -48,7 +48,8 @@ void put_columns(const std::vector<Complex>& from, int first, int count, Array2D
 // are to return, back. Returns Σ|bin|² within the stop.
 double pass_columns(const BandedSamples& field, LineTransforms& lines, bool return_them, RowSpectra& spectra) {
   Device& device = *field.device;
-  const auto& [grid, pass, unit, rows] = spectra;
+  const Grid& grid = spectra.grid;
+  const PassBand& pass = spectra.pass;
   const int most = field.bands.columns;
   const auto make = [&] { return device.make_buffer(size_t(most) * size_t(grid.ny) * sizeof(Complex), "a stop"); };
   DeviceField bins{&device, {}, make()};
@@ -58,7 +59,7 @@ double pass_columns(const BandedSamples& field, LineTransforms& lines, bool retu
   for (int first = 0; first < pass.x.count; first += most) {
     const int count = std::min(most, pass.x.count - first);
     here.resize(size_t(count) * size_t(grid.ny));
-    take_columns(rows, first, count, here);
+    take_columns(spectra.rows, first, count, here);
     device.write(bins.samples, here.data(), here.size() * sizeof(Complex));
     lines.transpose(grid.ny, count, bins.samples, turned);
     lines.run(columns_to_spectrum(grid, pass), count, turned, bins.samples);

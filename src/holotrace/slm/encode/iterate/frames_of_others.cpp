@@ -74,8 +74,8 @@ void make_arrays(Member& member) {
 
 void add_colour(Member& member, double wavelength) {
   const FrameJob& job = member.job;
-  ColourOfOthers& colour =
-      member.colours.emplace_back(DrivenPanel(job.slm, job.frames.front(), wavelength, job.params.subpixels));
+  member.colours.push_back({DrivenPanel(job.slm, job.frames.front(), wavelength, job.params.subpixels)});
+  ColourOfOthers& colour = member.colours.back();
   colour.light = member.arrays->light_of(colour.panel, wavelength);
 }
 
