@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <string>
 #include <vector>
@@ -89,6 +91,17 @@ inline Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const P
   for (size_t i = 0; i < state.size(); ++i)
     if (i % of_frame / (of_frame / 4) == 2) gradient.slopes.push_back(state[i]);
   return gradient;
+}
+
+/// Gradients whose frames were added up in another order: sums of positive terms agree to 2e-6, and slopes, which are differences
+/// of light, to 1e-5, as for one device.
+inline void expect_near(const Gradient& found, const Gradient& expected, const std::string& name) {
+  ASSERT_EQ(found.numbers.size(), expected.numbers.size()) << name;
+  for (size_t i = 0; i < found.numbers.size(); ++i)
+    EXPECT_NEAR(found.numbers[i], expected.numbers[i], 2e-6 * std::abs(expected.numbers[i])) << name << i;
+  ASSERT_EQ(found.slopes.size(), expected.slopes.size()) << name;
+  for (size_t m = 0; m < found.slopes.size(); ++m)
+    EXPECT_LT(relative(found.slopes[m], expected.slopes[m]), 1e-5) << name;
 }
 
 }  // namespace holotrace::test

@@ -17,9 +17,9 @@ namespace {
 using test::are_same;
 using test::descent_cases;
 using test::DescentCase;
+using test::expect_near;
 using test::Gradient;
 using test::gradient_of;
-using test::relative;
 
 std::vector<Hologram> found(const DescentCase& one, const EncodeParams& params, const Observer& observer = {}) {
   std::vector<Hologram> frames = one.start();
@@ -36,16 +36,6 @@ void expect_equal(const Gradient& found, const Gradient& expected, const std::st
   EXPECT_EQ(found.numbers, expected.numbers) << name;
   ASSERT_EQ(found.slopes.size(), expected.slopes.size()) << name;
   for (size_t m = 0; m < found.slopes.size(); ++m) EXPECT_EQ(found.slopes[m].values, expected.slopes[m].values) << name;
-}
-
-// Sums of positive terms agree to 2e-6, and slopes, which are differences of light, to 1e-5, as for one device.
-void expect_near(const Gradient& found, const Gradient& expected, const std::string& name) {
-  ASSERT_EQ(found.numbers.size(), expected.numbers.size()) << name;
-  for (size_t i = 0; i < found.numbers.size(); ++i)
-    EXPECT_NEAR(found.numbers[i], expected.numbers[i], 2e-6 * std::abs(expected.numbers[i])) << name << i;
-  ASSERT_EQ(found.slopes.size(), expected.slopes.size()) << name;
-  for (size_t m = 0; m < found.slopes.size(); ++m)
-    EXPECT_LT(relative(found.slopes[m], expected.slopes[m]), 1e-5) << name;
 }
 
 class SeveralDescentDevices : public ::testing::Test {

@@ -63,17 +63,47 @@ void get_slm(Unpacker& unpacker, Slm& slm) {
   get_effects(unpacker, slm.effects);
 }
 
+// Call visit(part) for all that is sent of the parameters, of a frame, and of views, in one order for both ways.
+template <class Params, class Visit>
+void visit_params(Params& params, const Visit& visit) {
+  visit(params.method);
+  visit(params.stop);
+  visit(params.subpixels);
+  visit(params.planes_per_update);
+  visit(params.device);
+}
+
+template <class Frame, class Visit>
+void visit_frame(Frame& frame, const Visit& visit) {
+  visit(frame.grid);
+  visit(frame.levels);
+  visit(frame.modulation);
+  visit(frame.wavelength);
+  visit(frame.level);
+  visit(frame.modulus_level);
+}
+
+template <class Views, class Visit>
+void visit_views(Views& views, const Visit& visit) {
+  visit(views.z);
+  visit(views.wavelength);
+  visit(views.picture);
+  visit(views.pupils);
+}
+
+auto packs_into(std::string& bytes) {
+  return [&bytes](const auto& part) { pack(bytes, part); };
+}
+auto gets_from(Unpacker& unpacker) {
+  return [&unpacker](auto& part) { unpacker.get(part); };
+}
+
 }  // namespace
 
 std::string pack_job(const FrameJob& job) {
   std::string bytes;
   pack_slm(bytes, job.slm);
-  const EncodeParams& params = job.params;
-  pack(bytes, params.method);
-  pack(bytes, params.stop);
-  pack(bytes, params.subpixels);
-  pack(bytes, params.planes_per_update);
-  pack(bytes, params.device);
+  visit_params(job.params, packs_into(bytes));
   pack(bytes, uint64_t(job.frames_of_all));
   pack(bytes, uint64_t(job.frames.size()));
   return bytes;
@@ -83,11 +113,7 @@ FrameJob unpack_job(const std::string& bytes) {
   FrameJob job;
   Unpacker unpacker(bytes);
   get_slm(unpacker, job.slm);
-  unpacker.get(job.params.method);
-  unpacker.get(job.params.stop);
-  unpacker.get(job.params.subpixels);
-  unpacker.get(job.params.planes_per_update);
-  unpacker.get(job.params.device);
+  visit_params(job.params, gets_from(unpacker));
   uint64_t frames_of_all = 0, frames = 0;
   unpacker.get(frames_of_all);
   unpacker.get(frames);
@@ -98,31 +124,18 @@ FrameJob unpack_job(const std::string& bytes) {
 
 std::string pack_frame(const Hologram& frame) {
   std::string bytes;
-  pack(bytes, frame.grid);
-  pack(bytes, frame.levels);
-  pack(bytes, frame.modulation);
-  pack(bytes, frame.wavelength);
-  pack(bytes, frame.level);
-  pack(bytes, frame.modulus_level);
+  visit_frame(frame, packs_into(bytes));
   return bytes;
 }
 
 void unpack_frame(const std::string& bytes, Hologram& frame) {
   Unpacker unpacker(bytes);
-  unpacker.get(frame.grid);
-  unpacker.get(frame.levels);
-  unpacker.get(frame.modulation);
-  unpacker.get(frame.wavelength);
-  unpacker.get(frame.level);
-  unpacker.get(frame.modulus_level);
+  visit_frame(frame, gets_from(unpacker));
 }
 
 std::string pack_views(const ViewTargets& views) {
   std::string bytes;
-  pack(bytes, views.z);
-  pack(bytes, views.wavelength);
-  pack(bytes, views.picture);
-  pack(bytes, views.pupils);
+  visit_views(views, packs_into(bytes));
   for (const Array2D<float>& amplitude : views.amplitudes) pack(bytes, amplitude);
   return bytes;
 }
@@ -130,10 +143,7 @@ std::string pack_views(const ViewTargets& views) {
 ViewTargets unpack_views(const std::string& bytes) {
   ViewTargets views;
   Unpacker unpacker(bytes);
-  unpacker.get(views.z);
-  unpacker.get(views.wavelength);
-  unpacker.get(views.picture);
-  unpacker.get(views.pupils);
+  visit_views(views, gets_from(unpacker));
   for (size_t k = 0; k < views.pupils.size(); ++k) unpacker.get(views.amplitudes.emplace_back());
   return views;
 }
