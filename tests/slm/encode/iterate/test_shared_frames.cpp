@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <thread>
+
 #include "holotrace/slm/encode/iterate/descent_device.h"
 #include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/frame_messages.h"
@@ -119,6 +122,52 @@ TEST_P(SharedFramesOnDevices, HaveTheSumsAndSlopesOfOneProcess) {
     ProcessorFrames alone(one.slm, one.params, one.start());
     test::expect_near(gradient_of_shared(one, 2, on_device(one.params).device), gradient_of(one, alone, {}), one.name);
   }
+}
+
+// Three processes of a machine take its equal devices in turn.
+TEST_P(SharedFramesOnDevices, ShareTheMemoryOfADevice) {
+  const DeviceChoice choice{DeviceKind::opencl, device_.info().number};
+  const size_t equals = equal_devices(list_devices(), choice.number).size();
+  for (const int count : {1, 3}) {
+    Device& device = *devices_of_process(choice, {0, count}, 1).at(0);
+    const double sharing = std::ceil(double(count) / double(equals));
+    EXPECT_NEAR(device.memory(), 0.8 * device.info().memory / sharing, 1);
+    device.limit_memory(0);
+  }
+}
+
+// The mean that processes exchange takes time on the way to a device and back: for one plane 7 kB there and back, twice in each of
+// 200 updates, 5.5 MB. Without it a device only gets a transfer function and a target, some 0.1 MB.
+TEST_P(SharedFramesOnDevices, CountTheirExchangeForAuto) {
+  DescentCase one{"frames"};
+  one.params.target_distances = {0.006};
+  one.params.iterations = 200;
+  const DescentSetup setup{one.slm, automatic(one.params)};
+  SummationRates slow;
+  slow.samples = slow.fft_operations = 1e6 / std::max(1U, std::thread::hardware_concurrency());
+  set_summation_rates([slow] { return slow; });
+  const auto takes_device = [&](double bytes, const SharedCount& frames) {
+    set_device_rates([=](Device&) { return DeviceRates{0, bytes, 1e15}; });
+    return common_device(one.targets().planes, setup, frames, {}).kind == DeviceKind::opencl;
+  };
+  double slow_bus = 1, fast_bus = 1e15;
+  ASSERT_TRUE(takes_device(fast_bus, {2, 2}));
+  ASSERT_FALSE(takes_device(slow_bus, {2, 2}));
+  while (fast_bus > 1.1 * slow_bus) {
+    const double middle = std::sqrt(slow_bus * fast_bus);
+    (takes_device(middle, {2, 2}) ? fast_bus : slow_bus) = middle;
+  }
+  EXPECT_FALSE(takes_device(5 * fast_bus, {4, 2}));
+  EXPECT_TRUE(takes_device(1000 * fast_bus, {4, 2}));
+}
+
+TEST(SharedFrames, NeedTheMemoryOfAllProcessesOfAMachine) {
+  const DescentCase one{"one"};
+  EXPECT_EQ(error_of([&] { require_memory_for_descent(1, one.slm, one.params, one.start()); }), "no error");
+  // 1728 pixels of more than 50 bytes: 86 TB.
+  const std::string error =
+      error_of([&] { require_memory_for_descent(1, one.slm, one.params, one.start(), 1'000'000'000); });
+  EXPECT_NE(error.find(" in each of 1000000000 processes"), std::string::npos) << error;
 }
 
 // Frames differ by the rounding of their mean; of the loss that is less than 0.1 dB (2 %).
