@@ -31,7 +31,7 @@ Field drawn_field(const Grid& grid) {
   for (auto& u : field.samples.values) u = std::polar(float(random.uniform()), float(2 * pi * random.uniform()));
   const std::complex<float> special[] = {{1, 0}, {1, -0.0F}, {-1, 0}, {-1, -0.0F},
                                          {0, 1}, {0, -1},    {0, 0},  {-0.0F, -0.0F}};
-  std::copy(std::begin(special), std::end(special), field.samples.values.begin());
+  std::copy_n(special, std::min(std::size(special), field.samples.size()), field.samples.values.begin());
   return field;
 }
 
