@@ -36,17 +36,18 @@ double parse_size_flag(const char* flag, const std::string& text);
 class Flags {
  public:
   /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
+  /// @param from  origin of the defaults of some fields, for the help text: "[the hologram's, or 300 mm]"
   template <class Params>
-  void add(Command& command, Params defaults, const std::set<std::string>& without = {},
-           const std::string& group = "") {
-    Adder adder{command, texts_, without, false, group};
+  void add(Command& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
+           const std::map<std::string, std::string>& from = {}) {
+    Adder adder{command, texts_, without, false, group, from};
     describe(adder, defaults);
   }
 
   /// Adds a flag for each of the named fields of `defaults`.
   template <class Params>
   void add_only(Command& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
-    Adder adder{command, texts_, names, true, group};
+    Adder adder{command, texts_, names, true, group, {}};
     describe(adder, defaults);
   }
 
@@ -69,6 +70,7 @@ class Flags {
     const std::set<std::string>& names;
     bool is_only;  // fields that are named, or all others
     const std::string& group;
+    const std::map<std::string, std::string>& from;  // origin of a field's default
 
     void add(const std::string& name, const std::string& help, const std::string& shown, const std::string& kind);
     void add_old_name(const std::string& name, const std::string& before);

@@ -10,6 +10,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/view_place.h"
 #include "holotrace/run/common_exposure.h"
+#include "holotrace/run/lit_part.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
@@ -96,9 +97,11 @@ class Showing {
                repeated_calls(job, wavelengths, boxes.viewpoints), boxes.report, watch),
         sums(boxes.viewpoints.size(), CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths)),
         viewing_{job.slm, job.show, job.propagate, boxes.viewpoints},
+        conditions_(viewing_conditions(job.camera)),
         boxes_(boxes) {}
 
   void add(Hologram hologram) {
+    hologram.viewing = conditions_;
     boxes_.holograms.push_back(std::move(hologram));
     const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
     if (power_on_panel == 0) power_on_panel = power;
@@ -110,6 +113,7 @@ class Showing {
 
  private:
   Viewing viewing_;
+  ViewingConditions conditions_;
   Boxes& boxes_;
 };
 
@@ -282,6 +286,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
+      o.fact("lit_fraction_of_view", lit_fraction({view, b.white}));
       if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
       report_place(places[d], o);
       if (targets && !has_reference(*targets, job.camera))
@@ -290,6 +295,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
                                              "its picture too"));
       else
         report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
+      report_lit_render({references[d].image, b.render_white}, {view, b.white}, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
