@@ -264,7 +264,7 @@ void add_compare_command(Command& app, const GlobalFlags& global) {
       check_flags(*o, false);
       return compare_folders(*o);
     }
-    if (o->b.empty()) fail_as_missing("b, which is compared with the file a");
+    if (o->b.empty()) fail_as_missing("b (the file that is compared with a)");
     require(!is_folder(o->a) && !is_folder(o->b),
             "expected two files, or the folders of two runs, got a file and the folder {}; name a view in the folder",
             is_folder(o->a) ? o->a : o->b);

@@ -27,8 +27,8 @@ TEST(Commands, RunWritesEveryBoxOfThePipeline) {
   work.write("scene.toml", mesh_scene());
   const std::string summary = succeed(work, {"run", "scene.toml", "-o", "out"});
   for (const char* words :
-       {"trace", " waves", "look at 30 mm", "view.png at 30 mm: PSNR ", " dB (a black view: ", " of the view are lit; ",
-        "all stages",
+       {"trace", " waves", "look at 30 mm", "view.png at 30 mm: PSNR ",
+        " dB against the render (a black view: ", " of the view are lit; ", "all stages",
         "written to out: field.npy, field.npy.json, hologram.png, render.exr, render.png, report.json, "
         "sources.ply, view.png\n"})
     EXPECT_NE(summary.find(words), std::string::npos) << words << " is not in:\n" << summary;

@@ -74,7 +74,10 @@ TEST(RunFolder, InfoTellsWhatItHolds) {
   for (const Json& stage : report["stages"]) {
     if (stage["stage"] != "look at 32 mm") continue;
     const std::string words = facts.at("view_2.png at 32 mm");
-    EXPECT_EQ(words.find(fmt::format("PSNR {:.1f} dB (a black view: ", stage["psnr_db"].get<double>())), 0u) << words;
+    EXPECT_EQ(
+        words.find(fmt::format("PSNR {:.1f} dB against the render (a black view: ", stage["psnr_db"].get<double>())),
+        0u)
+        << words;
     EXPECT_NE(
         words.find(fmt::format("{:.2g} % of the view are lit", 100 * stage["lit_fraction_of_view"].get<double>())),
         std::string::npos)

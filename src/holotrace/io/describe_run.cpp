@@ -40,7 +40,7 @@ std::string nearness_in(const Json& stage) {
     const std::string why = text_in(stage, "why_no_metrics");
     return "not compared with a render" + (why.empty() ? "" : ": " + why);
   }
-  std::string text = fmt::format("PSNR {:.1f} dB", *psnr);
+  std::string text = fmt::format("PSNR {:.1f} dB against the render", *psnr);
   if (const auto black = number_in(stage, "psnr_of_black_db"))
     text += fmt::format(" (a black view: {:.1f} dB)", *black);
   if (const auto ssim = number_in(stage, "ssim")) text += fmt::format(", SSIM {:.2f}", *ssim);
