@@ -22,6 +22,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/run_folder.h"
+#include "holotrace/run/lit_part.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/difference.h"
 #include "holotrace/view/profile.h"
@@ -122,7 +123,9 @@ Comparison compare_images(ImagePair pair, const CompareOptions& o, size_t i = 0)
                          {"diffraction_efficiency", number(m.bright_fraction)},
                          {"power_ratio", number(m.power_ratio)},
                          {"uniformity", number(m.uniformity)},
-                         {"psnr_amplitude_db", number(m.psnr_amplitude)}});
+                         {"psnr_amplitude_db", number(m.psnr_amplitude)},
+                         {"lit_fraction_of_reference", lit_fraction(pair.reference)},
+                         {"lit_fraction", lit_fraction(pair.image)}});
   if (!o.difference.empty()) {
     const DifferenceImage difference = difference_image(pair.reference, pair.image, m.scale, o.difference_range);
     save_image(numbered_path(o.difference, i), difference.image, 1, 8);
@@ -264,7 +267,7 @@ void add_compare_command(Command& app, const GlobalFlags& global) {
       check_flags(*o, false);
       return compare_folders(*o);
     }
-    if (o->b.empty()) fail_as_missing("b (the file that is compared with a)");
+    if (o->b.empty()) fail_as_missing("B (b), or the folder of a run as A");
     require(!is_folder(o->a) && !is_folder(o->b),
             "expected two files, or the folders of two runs, got a file and the folder {}; name a view in the folder",
             is_folder(o->a) ? o->a : o->b);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "holotrace/view/compare.h"
+#include "holotrace/view/expose.h"
 
 namespace holotrace {
 namespace {
@@ -15,35 +16,29 @@ std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * frac
 
 }  // namespace
 
-double lit_fraction(const ExposedImage& picture) {
-  const Image& image = picture.image;
+double lit_fraction(const Image& image) {
+  if (image.values.empty()) return 0;
+  const double least = lit_level * exposure_white(image, 0);
   const size_t channels = size_t(image.channels), pixels = image.values.size() / channels;
   size_t lit = 0;
   for (size_t i = 0; i < pixels; ++i) {
     const auto first = image.values.begin() + std::ptrdiff_t(i * channels);
-    const double brightest = *std::max_element(first, first + std::ptrdiff_t(channels));
-    lit += brightest > 0 && brightest >= lit_level * picture.white;
+    lit += double(*std::max_element(first, first + std::ptrdiff_t(channels))) >= least;
   }
-  return pixels > 0 ? double(lit) / double(pixels) : 0;
+  return double(lit) / double(pixels);
 }
 
-void report_lit_render(const ExposedImage& render, const ExposedImage& view, const Observer& observer) {
-  const double of_render = lit_fraction(render), of_view = lit_fraction(view);
-  observer.fact("lit_fraction_of_render", of_render);
-  const std::vector<float>& values = render.image.values;
-  if (std::none_of(values.begin(), values.end(), [](float v) { return v > 0; })) return;
-  const double of_black = psnr_of_black(render.image);
+void report_lit_render(const Image& render, const Observer& observer) {
+  const double lit = lit_fraction(render);
+  observer.fact("lit_fraction_of_render", lit);
+  if (lit == 0) return;
+  const double of_black = psnr_of_black(render);
   observer.fact("psnr_of_black_db", of_black);
-  if (of_render < least_lit_fraction)
+  if (lit < least_lit_fraction)
     observer.warn(fmt::format(
-        "only {} of the render is lit, less than {}; PSNR and SSIM say little about this view: a black one has "
-        "{:.1f} dB; bring the scene into the window of the view, make it larger, or light it",
-        percent(of_render), percent(least_lit_fraction), of_black));
-  else if (of_view < least_lit_fraction)
-    observer.warn(fmt::format(
-        "only {} of the view is lit, but {} of the render: a few bright pixels outshine the rest, for instance "
-        "those of the zero order; let a stop block them, or give the exposure",
-        percent(of_view), percent(of_render)));
+        "only {} of the render is lit, less than {}; PSNR and SSIM say little about this view: a black one has {:.1f} dB; "
+        "look at the picture instead, or make the scene larger, bring it into the window, or light it",
+        percent(lit), percent(least_lit_fraction), of_black));
 }
 
 }  // namespace holotrace

@@ -286,7 +286,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
-      o.fact("lit_fraction_of_view", lit_fraction({view, b.white}));
+      o.fact("lit_fraction_of_view", lit_fraction(view));
       if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
       report_place(places[d], o);
       if (targets && !has_reference(*targets, job.camera))
@@ -295,7 +295,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
                                              "its picture too"));
       else
         report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
-      report_lit_render({references[d].image, b.render_white}, {view, b.white}, o);
+      report_lit_render(references[d].image, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
