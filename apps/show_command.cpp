@@ -121,12 +121,11 @@ void add_show_command(Command& app, const GlobalFlags& global) {
   o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y", "device"});
   command->callback([o, &global] {
     ShowParams params;
+    CameraParams camera;
     PropagateParams propagation;
     o->flags.apply(params);
-    o->flags.apply(propagation);
-    const std::vector<std::string> inputs = hologram_files(o->inputs);
-    CameraParams camera = camera_in(viewing_of_file(inputs.front()));
     o->flags.apply(camera);
+    o->flags.apply(propagation);
     propagation.centre_x = propagation.centre_y = 0;  // these flags set the centre of the sensor
     check_output(o->output, {".png", ".exr", ".gif"});
     if (!o->report.empty()) check_output(o->report, {".json"});
@@ -134,6 +133,9 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     require(!is_animation || camera.sweep != Sweep::none,
             "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png",
             o->output);
+    const std::vector<std::string> inputs = hologram_files(o->inputs);
+    camera = camera_in(viewing_of_file(inputs.front()));
+    o->flags.apply(camera);  // each flag replaces its own value
     RenderParams eyes;
     eyes.eye = camera.eye;
     if (!o->eye_separation.empty())
