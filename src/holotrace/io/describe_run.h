@@ -8,11 +8,9 @@ namespace holotrace {
 
 /// What a report says about one view of a run, in words.
 struct ViewWords {
-  std::string name;  ///< "view.png at 300 mm"
-  std::string
-      nearness;  ///< to the render: "PSNR 28.4 dB against the render (a black view: 9.1 dB), SSIM 0.81, …"; or why it is not known
-  std::string
-      light;  ///< "34 % of the render and 36 % of the view are lit; …"; "" if an earlier version wrote the report
+  std::string name;      ///< "view.png at 300 mm"
+  std::string nearness;  ///< "PSNR 28.4 dB against the render (a black view: 9.1 dB), …"; or why it is not known
+  std::string light;     ///< "34 % of the render and 36 % of the view are lit; …"; "" in reports of earlier versions
 };
 
 /// The views of a report (report_json) in words, in the order of the run; empty for a damaged report.
