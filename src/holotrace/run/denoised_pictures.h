@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/data/focal_stack.h"
+#include "holotrace/data/image.h"
+#include "holotrace/data/job.h"
+
+namespace holotrace {
+
+/// What a path-traced picture is for: to look at it, or as radiance to compute with.
+enum class PictureUse { to_look_at, radiance };
+
+/// A render, denoised as params.denoise says: pictures to look at with auto, all with all. Guides from the same light
+/// paths help.
+///
+/// Facts: those of make_render; if it should be denoised `denoised`, the number of pictures that were; `denoiser`, the
+/// library with its version, or `why_not_denoised`. There is a warning without the library if params.denoise is all, or
+/// if a library was found that cannot be used.
+/// @throws Error  as render and denoise do, but none for want of a library
+Image make_picture(const Job& job, const RenderParams& params, PictureUse use, const Observer& observer = {});
+
+/// A focal stack, denoised in the same way, with its facts.
+FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances, const RenderParams& params,
+                            PictureUse use, const Observer& observer = {});
+
+/// Error of light paths, as a PSNR of the amplitude, above which targets of holograms are not denoised: noise of that size
+/// changes a hologram's picture by less than 0.1 dB.
+inline constexpr double clean_enough = 42;
+
+/// Denoises the traced light that holograms aim at: the planes with auto or all, the cells of a light field, whose picture is
+/// empty of cells without one, with all. The first plane shows how much noise there is: if its light paths alone are clean_enough
+/// and the choice is auto, the rest stays as it is.
+///
+/// The planes are denoised one by one, fast and without guides: guides of planes out of focus are as noisy as the light.
+/// Facts: as of make_picture.
+void denoise_targets(std::vector<Image>& planes, std::vector<Image>& cells, Denoise choice,
+                     const Observer& observer = {});
+
+}  // namespace holotrace
