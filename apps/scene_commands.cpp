@@ -109,7 +109,7 @@ void add_run(Command& app, const GlobalFlags& global) {
       ->type_name("LENGTH");
   Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
-  o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations"},
+  o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations", "denoise"},
                            "Encoding (overrides the scene's [encode])");
   o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);

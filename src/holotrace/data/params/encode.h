@@ -128,8 +128,8 @@ void describe(Visitor& v, EncodeParams& p) {
       "light in planes through the scene (render); that light and the views through pupils (light-field)");
   v.choice(
       "denoise", p.denoise, denoise_names,
-      "targets render, light-field: denoising of the target planes by Open Image Denoise 2, if it is installed: target "
-      "planes (auto); none; or also the views through pupils (all)");
+      "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: planes with "
+      "visible noise (auto); none; or all planes and the views through pupils (all)");
   v.choice(
       "quality", p.quality,
       {{"as-given", Quality::as_given}, {"draft", Quality::draft}, {"good", Quality::good}, {"best", Quality::best}},
