@@ -355,45 +355,6 @@ TEST(Render, TheSamePictureComesFromAnyNumberOfThreads) {
   EXPECT_EQ(images[0].values, images[2].values);
 }
 
-// On the left a red wall, turned by 45° about y; in the middle a lamp; on the right a mirror of 45°, which shows a blue wall
-// farther to the right.
-Scene scene_with_guides() {
-  Scene scene;
-  const Material mirror{ConductorMaterial{{{{500e-9, 1e-12, 1}}}, 0}};  // reflects everything
-  scene.materials = {DiffuseMaterial{{0.8, 0.2, 0.1}}, DiffuseMaterial{{0.1, 0.2, 0.6}}, mirror};
-  const Vec3 up{0, 10_mm, 0};
-  scene.meshes = {make_test_quad({-6_mm, 0, -0.3}, {2_mm, 0, 2_mm}, up, 0),
-                  make_test_quad({40_mm, 0, -0.3}, {0, 0, 20_mm}, up, 1),
-                  make_test_quad({6_mm, 0, -0.3}, {2_mm, 0, -2_mm}, up, 2)};
-  scene.lights = {RectangleLight{{-1_mm, -10_mm, -0.3}, {2_mm, 0, 0}, {0, 20_mm, 0}, {5, 5, 5}}};
-  scene.background = {1, 1, 1};
-  return scene;
-}
-
-TEST(RenderWithGuides, HasTheSamePictureAndTheColoursAndNormalsOfItsSurfaces) {
-  const Scene scene = scene_with_guides();
-  for (const double clamp : {0.0, 1e9}) {  // paths of a pixel are followed together only without a clamp
-    const RenderParams params{
-        .columns = 40, .rows = 20, .field_of_view = std::atan(6.0 / 300), .paths = 4, .clamp = clamp};
-    const GuidedRender made = render_with_guides(scene, render_panel, green_light, params);
-    EXPECT_EQ(made.radiance.values, render(scene, render_panel, green_light, params).values);
-    // Pixel (row 10, column c) stands for x = (c − 19.5)·0.6 mm in the plane at 0.3 m.
-    const auto pixel = [&](const Image& image, int column) {
-      return Vec3{image(10, column, 0), image(10, column, 1), image(10, column, 2)};
-    };
-    const double float_rounding = 1e-6;  // of sums of 4 numbers up to 1
-    const auto expect = [&](Vec3 found, Vec3 wanted) {
-      EXPECT_LT(length(found - wanted), float_rounding) << found.x << " " << found.y << " " << found.z;
-    };
-    expect(pixel(made.guides.albedo, 9), {0.8, 0.2, 0.1});  // x = −6.3 mm
-    expect(pixel(made.guides.normals, 9), Vec3{-1, 0, 1} * std::sqrt(0.5));
-    expect(pixel(made.guides.albedo, 19), {});               // the lamp
-    expect(pixel(made.guides.albedo, 29), {0.1, 0.2, 0.6});  // the blue wall in the mirror
-    expect(pixel(made.guides.normals, 29), {-1, 0, 0});
-    expect(pixel(made.guides.normals, 1), {});  // the background
-  }
-}
-
 TEST(RenderPixels, AreThoseOfTheWholePictureAndTheOthersStay) {
   Scene scene;
   scene.materials = {DiffuseMaterial{}};

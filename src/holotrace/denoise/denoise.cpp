@@ -105,8 +105,8 @@ class Networks {
     oidn_.oidnSetFilterBool(filter.get(), "hdr", is_light);
     oidn_.oidnSetFilterBool(filter.get(), "cleanAux", is_light && inputs.size() > 1);
     oidn_.oidnSetFilterInt(filter.get(), "quality", quality_);
-    constexpr int most_memory = 400;  // [MB]: large pictures are denoised in parts that overlap
-    oidn_.oidnSetFilterInt(filter.get(), "maxMemoryMB", most_memory);
+    // [MB] Larger pictures are denoised in parts that overlap. Fast ones are for many planes, beside a hologram's arrays.
+    oidn_.oidnSetFilterInt(filter.get(), "maxMemoryMB", quality_ == Oidn::fast ? 400 : 1200);
     Progress progress{observer};
     oidn_.oidnSetFilterProgressMonitorFunction(filter.get(), &Progress::goes_on, &progress);
     oidn_.oidnCommitFilter(filter.get());

@@ -11,7 +11,6 @@
 #include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/trace/focal_stack.h"
-#include "holotrace/trace/render.h"
 
 namespace holotrace {
 namespace {
@@ -56,18 +55,14 @@ double amplitude_psnr(const Image& picture, const Image& truth) {
   return 10 * std::log10(peak * peak * double(truth.values.size()) / squares);
 }
 
-double wavelength_for(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
-
 }  // namespace
 
 Image make_picture(const Job& job, const RenderParams& params, PictureUse use, const Observer& observer) {
   if (!is_to_denoise(params.denoise, use) || !has_denoiser(params.denoise, observer))
     return make_render(job, params, observer);
-  observer.fact("seed", params.seed);
-  const GuidedRender made =
-      render_with_guides(job.scene, job.slm.grid, wavelength_for(job), params, between(observer, 0, of_tracing));
+  const Image noisy = make_render(job, params, between(observer, 0, of_tracing));
   observer.fact("denoised", 1);
-  return denoise(made.radiance, made.guides, DenoiseQuality::high, between(observer, of_tracing, 1));
+  return denoise(noisy, {}, DenoiseQuality::high, between(observer, of_tracing, 1));
 }
 
 FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances, const RenderParams& params,
@@ -75,7 +70,8 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
   const bool is_denoised = is_to_denoise(params.denoise, use) && has_denoiser(params.denoise, observer);
   const double traced = is_denoised ? of_tracing : 1;
   FocalStack stack =
-      trace_focal_stack(job.scene, job.slm.grid, wavelength_for(job), distances, params, between(observer, 0, traced));
+      trace_focal_stack(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), distances,
+                        params, between(observer, 0, traced));
   if (!is_denoised) return stack;
   const double each = (1 - traced) / double(stack.pictures.size());
   for (size_t k = 0; k < stack.pictures.size(); ++k)

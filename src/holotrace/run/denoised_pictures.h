@@ -12,8 +12,7 @@ namespace holotrace {
 /// What a path-traced picture is for: to look at it, or as radiance to compute with.
 enum class PictureUse { to_look_at, radiance };
 
-/// A render, denoised as params.denoise says: pictures to look at with auto, all with all. Guides from the same light
-/// paths help.
+/// A render, denoised as params.denoise says: pictures to look at with auto, all with all.
 ///
 /// Facts: those of make_render; if it should be denoised `denoised`, the number of pictures that were; `denoiser`, the
 /// library with its version, or `why_not_denoised`. There is a warning without the library if params.denoise is all, or
@@ -33,7 +32,7 @@ inline constexpr double clean_enough = 42;
 /// empty of cells without one, with all. The first plane shows how much noise there is: if its light paths alone are clean_enough
 /// and the choice is auto, the rest stays as it is.
 ///
-/// The planes are denoised one by one, fast and without guides: guides of planes out of focus are as noisy as the light.
+/// The planes are denoised one by one, fast.
 /// Facts: as of make_picture.
 void denoise_targets(std::vector<Image>& planes, std::vector<Image>& cells, Denoise choice,
                      const Observer& observer = {});

@@ -33,16 +33,16 @@ Vec3 sum_of(std::span<const Vec3> sums) {
 }  // namespace
 
 Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
-                    std::span<Vec3> sums, PathCounts& counts, SurfaceSums* surfaces) {
+                    std::span<Vec3> sums, PathCounts& counts) {
   std::fill(sums.begin(), sums.end(), Vec3{});
-  if (add_radiance(scene, ray, numbers, sums, counts, surfaces)) return sum_of(sums);
+  if (add_radiance(scene, ray, numbers, sums, counts)) return sum_of(sums);
   return has_background ? background_along(scene, ray) : Vec3{};
 }
 
 Vec3 radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
-                    LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts, SurfaceSums* surfaces) {
+                    LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts) {
   std::fill(sums.begin(), sums.end(), Vec3{});
-  uint32_t misses = add_radiance(scene, rays, dimension, numbers, sums, counts, surfaces);
+  uint32_t misses = add_radiance(scene, rays, dimension, numbers, sums, counts);
   Vec3 sum = sum_of(sums);
   for (; has_background && misses; misses &= misses - 1)
     sum += background_along(scene, rays[size_t(std::countr_zero(misses))].ray);

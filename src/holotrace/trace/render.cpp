@@ -64,9 +64,8 @@ struct Pixel {
   int row, column;
 };
 
-/// @param surfaces  if given, the surfaces of the pixel's paths are added here
 Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, const RenderParams& params,
-                  std::span<Vec3> sums, PathCounts& counts, SurfaceSums* surfaces) {
+                  std::span<Vec3> sums, PathCounts& counts) {
   const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   Vec3 sum;
@@ -79,8 +78,8 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
       const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
       if (ray) rays[count++] = {*ray, uint32_t(path)};
     }
-    sum += radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums,
-                          counts, surfaces);
+    sum +=
+        radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums, counts);
   }
   return sum / params.paths;
 }
@@ -112,14 +111,9 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
   }
 }
 
-// What is rendered: all pixels, or those of a mask, the others having nothing but luminous points; with guides or without.
-struct Wanted {
-  const PixelMask* mask = nullptr;
-  DenoiseGuides* guides = nullptr;
-};
-
-Image render_wanted(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
-                    const Wanted& wanted, const Observer& observer) {
+// The picture, or only its pixels in the mask; the others hold nothing but luminous points.
+Image render_masked(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+                    const PixelMask* mask, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
@@ -137,11 +131,9 @@ Image render_wanted(const Scene& scene, const Grid& panel, double wavelength, co
                 .panel_y = panel.height() / 2,
                 .reach = box_radius(params.focus, wavelength, panel.pitch)};
   const PathScene path_scene = make_path_scene(scene, params);
-  const int pictures = wanted.guides ? 3 : 1;
-  require_memory(3.0 * (sizeof(float) * pictures + 1) * columns * rows,  // a byte each when it is saved
+  require_memory(3.0 * (sizeof(float) + 1) * columns * rows,  // a byte each when it is saved
                  fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
-  if (wanted.guides) wanted.guides->albedo = wanted.guides->normals = image;
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
   constexpr int often = 16;  // pixels between reports: a row of many paths takes long, and a caller may want to stop
   std::atomic<int64_t> done{0};
@@ -149,16 +141,10 @@ Image render_wanted(const Scene& scene, const Grid& panel, double wavelength, co
     std::vector<Vec3> sums(size_t(path_scene.sums()));
     for (int first = 0; first < columns; first += often) {
       const int end = std::min(columns, first + often);
-      for (int column = first; column < end; ++column) {
-        if (wanted.mask && !(*wanted.mask)[size_t(row) * size_t(columns) + size_t(column)]) continue;
-        SurfaceSums surfaces;
-        add(image, int(row), column,
-            render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)],
-                         wanted.guides ? &surfaces : nullptr));
-        if (!wanted.guides) continue;
-        add(wanted.guides->albedo, int(row), column, surfaces.albedo / params.paths);
-        add(wanted.guides->normals, int(row), column, surfaces.normal / params.paths);
-      }
+      for (int column = first; column < end; ++column)
+        if (!mask || (*mask)[size_t(row) * size_t(columns) + size_t(column)])
+          add(image, int(row), column,
+              render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
       const int64_t pixels = done += end - first;
       observer.progress(double(pixels) / (double(rows) * columns));
     }
@@ -176,14 +162,7 @@ Image render_wanted(const Scene& scene, const Grid& panel, double wavelength, co
 
 Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer) {
-  return render_wanted(scene, panel, wavelength, params, {}, observer);
-}
-
-GuidedRender render_with_guides(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
-                                const Observer& observer) {
-  GuidedRender made;
-  made.radiance = render_wanted(scene, panel, wavelength, params, {.guides = &made.guides}, observer);
-  return made;
+  return render_masked(scene, panel, wavelength, params, nullptr, observer);
 }
 
 void render_pixels(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
@@ -195,7 +174,7 @@ void render_pixels(const Scene& scene, const Grid& panel, double wavelength, con
           "expected a picture of {} × {} pixels in three colours, with a mask of as many pixels, got {} × {}, {} "
           "colour(s) and {} pixels",
           columns, params.rows, image.nx, image.ny, image.channels, mask.size());
-  const Image made = render_wanted(scene, panel, wavelength, params, {.mask = &mask}, observer);
+  const Image made = render_masked(scene, panel, wavelength, params, &mask, observer);
   for (size_t i = 0; i < pixels; ++i)
     if (mask[i]) std::copy_n(&made.values[3 * i], 3, &image.values[3 * i]);
 }

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
-#include "holotrace/data/denoise_guides.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/params/render.h"
@@ -47,16 +46,6 @@ namespace holotrace {
 /// Cost: as `trace`, one first hit per path.
 Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer = {});
-
-/// A render, and what its surfaces look like for a denoiser.
-struct GuidedRender {
-  Image radiance;  ///< as `render` makes it, to the last bit
-  DenoiseGuides guides;
-};
-
-/// The same picture with guides from the same light paths. Luminous points are not in the guides.
-GuidedRender render_with_guides(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
-                                const Observer& observer = {});
 
 /// Mask of a picture's pixels, row by row; a pixel that is not 0 is selected.
 using PixelMask = std::vector<uint8_t>;

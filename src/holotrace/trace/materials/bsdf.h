@@ -40,12 +40,6 @@ inline LobeSet lobes_of(const Bsdf& bsdf) {
   return std::visit([](const auto& b) { return lobes(b); }, bsdf);
 }
 
-/// The colour of a surface for a denoiser: about the fraction of the light that it reflects and transmits, by all lobes
-/// and at normal incidence.
-inline Vec3 albedo_of(const Bsdf& bsdf) {
-  return std::visit([](const auto& b) { return albedo(b); }, bsdf);
-}
-
 /// f·|cosθ_incoming| of one lobe [1/sr]; 0 for a specular lobe.
 inline Vec3 eval_bsdf(const Bsdf& bsdf, Vec3 outgoing, Vec3 incoming, Lobe lobe) {
   return std::visit([&](const auto& b) { return eval(b, outgoing, incoming, lobe); }, bsdf);

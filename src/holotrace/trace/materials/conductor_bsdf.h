@@ -61,8 +61,6 @@ inline double pdf(const ConductorBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lob
   return pdf_reflection(b.rough, view.outgoing, view.local(incoming), b.rough.loss(view.outgoing.z));
 }
 
-inline Vec3 albedo(const ConductorBsdf& b) { return reflectance(b, 1); }
-
 /// The branch of a mirror, with its full weight.
 inline SpecularBranches branches(const ConductorBsdf& b, Vec3 outgoing) {
   if (!b.is_smooth()) return {};

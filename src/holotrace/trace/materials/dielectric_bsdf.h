@@ -50,8 +50,6 @@ inline DielectricBsdf make_dielectric_bsdf(Vec3 normal, Vec3 geometric_normal, d
 
 inline LobeSet lobes(const DielectricBsdf& b) { return {.has_glossy = !b.is_smooth()}; }
 
-inline Vec3 albedo(const DielectricBsdf&) { return {1, 1, 1}; }
-
 /// Normal of the microfacet that sends `o` to `i`, both local, on the near side; 0 if there is none.
 inline Vec3 half_vector(const DielectricBsdf& b, Vec3 o, Vec3 i) {
   if (i.z == 0) return {};

@@ -46,8 +46,6 @@ inline std::optional<BsdfSample> sample(const DiffuseBsdf& b, Vec3, double u_lob
                     {}};
 }
 
-inline Vec3 albedo(const DiffuseBsdf& b) { return b.reflectance + b.transmittance; }
-
 inline SpecularBranches branches(const DiffuseBsdf&, Vec3) { return {}; }
 
 }  // namespace holotrace

@@ -77,8 +77,6 @@ inline LobeSet lobes(const MetallicRoughnessBsdf& b) {
   return {.has_diffuse = max_component(b.base) > 0, .has_glossy = !b.is_smooth()};
 }
 
-inline Vec3 albedo(const MetallicRoughnessBsdf& b) { return b.base + b.f0; }
-
 /// Probabilities of the lobes that `sample` draws, in proportion to the albedos in the brightest lines.
 struct MetallicRoughnessChoice {
   double base = 1;      ///< probability of the diffuse lobe

@@ -80,12 +80,10 @@ class GroupWalk {
 
   /// Puts a path that has reached a surface where it belongs.
   void put(uint32_t path) {
-    if (const auto reflectance = reflectance_here()) {
-      walk_.look_at(*reflectance);
+    if (const auto reflectance = reflectance_here())
       paths_.add(path, walk_.point(), start_here(), walk_.throughput() * *reflectance);
-    } else {
+    else
       follow_alone(path);
-    }
   }
 
   void follow_alone(uint32_t path) {

@@ -20,7 +20,6 @@ struct RadianceSink {
   std::span<Vec3> sums;
   int path_groups;
   bool is_by_light;
-  SurfaceSums* surfaces = nullptr;
   Vec3 whole{};
 
   void add(uint32_t accepted, int group, Vec3 radiance) {
@@ -30,16 +29,10 @@ struct RadianceSink {
       if (accepted >> path_group & 1) sums[first + size_t(path_group)] += radiance;
   }
   void end_way(std::optional<double>) {}
-
-  bool looks_at_surfaces() const { return surfaces != nullptr; }
-  void look_at(Vec3 albedo, Vec3 normal) {
-    surfaces->albedo += {std::min(1.0, albedo.x), std::min(1.0, albedo.y), std::min(1.0, albedo.z)};
-    surfaces->normal += normal;
-  }
 };
 
-RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums, SurfaceSums* surfaces = nullptr) {
-  return {sums, scene.automaton.path_groups(), scene.params.separate_lights, surfaces};
+RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
+  return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
 
 /// Whether a path may be one of a group: each path need not know its own light, and samples lights at each surface.
@@ -51,16 +44,16 @@ double let_through(double light, double clamp) { return light > clamp ? clamp / 
 /// Follows a path by itself. `begin` begins it, and returns false if it has ended at once.
 template <class Begin>
 void follow_one(const PathScene& scene, LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts,
-                SurfaceSums* surfaces, const Begin& begin) {
+                const Begin& begin) {
   const double clamp = scene.params.clamp;
   if (clamp <= 0) {
-    RadianceSink sink = make_sink(scene, sums, surfaces);
+    RadianceSink sink = make_sink(scene, sums);
     PathWalk walk(scene, sink, counts);
     if (begin(walk)) walk.go_on(numbers);
     return;
   }
   std::vector<Vec3> path(sums.size());
-  RadianceSink sink = make_sink(scene, path, surfaces);
+  RadianceSink sink = make_sink(scene, path);
   PathWalk walk(scene, sink, counts);
   if (begin(walk)) walk.go_on(numbers);
   const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
@@ -105,13 +98,13 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
 
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts) {
-  follow_one(scene, numbers, sums, counts, nullptr, [&](auto& walk) { return walk.begin(start); });
+  follow_one(scene, numbers, sums, counts, [&](auto& walk) { return walk.begin(start); });
 }
 
 bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
-                  PathCounts& counts, SurfaceSums* surfaces) {
+                  PathCounts& counts) {
   bool has_met = false;
-  follow_one(scene, numbers, sums, counts, surfaces, [&](auto& walk) {
+  follow_one(scene, numbers, sums, counts, [&](auto& walk) {
     has_met = walk.find(ray);
     return has_met && walk.begin_here();
   });
@@ -119,18 +112,18 @@ bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& number
 }
 
 uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
-                      std::span<Vec3> sums, PathCounts& counts, SurfaceSums* surfaces) {
+                      std::span<Vec3> sums, PathCounts& counts) {
   require(rays.size() <= most_together, "expected at most {} rays that are followed together, got {}", most_together,
           rays.size());
   uint32_t misses = 0;
   if (!fits_groups(scene.params)) {
     for (size_t i = 0; i < rays.size(); ++i) {
       numbers.go_to(rays[i].path, dimension);
-      misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts, surfaces)) << i;
+      misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts)) << i;
     }
     return misses;
   }
-  RadianceSink sink = make_sink(scene, sums, surfaces);
+  RadianceSink sink = make_sink(scene, sums);
   GroupWalk group(scene, sink, counts, numbers, dimension);
   for (size_t i = 0; i < rays.size(); ++i) misses |= uint32_t(!group.begin(rays[i].path, rays[i].ray)) << i;
   group.follow();

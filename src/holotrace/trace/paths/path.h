@@ -33,12 +33,6 @@ struct PathCounts {
 /// "absorbed", "cut", "left_out" and "clamped", and warns if cut paths lose light.
 void report(const PathCounts& counts, int max_depth, const Observer& observer);
 
-/// What the first surfaces that scatter the light of paths look like, added up over paths (DenoiseGuides).
-struct SurfaceSums {
-  Vec3 albedo;  ///< times what mirrors and glass on the way leave of it
-  Vec3 normal;  ///< unit, of each
-};
-
 /// Start of light paths: a surface that a ray from the panel or a lens has met, possibly by mirrors and glass.
 struct PathStart {
   SurfacePoint point;              ///< as shading_point returns it
@@ -87,9 +81,8 @@ void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy
                   PathCounts& counts);
 
 /// The same for the path that begins at the first surface on a ray of a camera; false, and no light, if there is none.
-/// @param surfaces  if given, the path's surface is added here
 bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
-                  PathCounts& counts, SurfaceSums* surfaces = nullptr);
+                  PathCounts& counts);
 
 /// A ray of a camera, and the number of its path among those of a block of random numbers.
 struct NumberedRay {
@@ -104,7 +97,7 @@ struct NumberedRay {
 /// @return           bit i is 1 if there is no surface on ray i
 /// @throws Error     for more rays
 uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
-                      std::span<Vec3> sums, PathCounts& counts, SurfaceSums* surfaces = nullptr);
+                      std::span<Vec3> sums, PathCounts& counts);
 
 /// Adds the light that a ray of weight 1 from a mirror or a glass surface meets before `distance` [m] other than
 /// on a surface: rectangles on the way and, for an infinite distance, background and environment. For callers

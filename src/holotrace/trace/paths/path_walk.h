@@ -21,9 +21,6 @@
 //                                              from there to the surface, else none
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
 //   place_of_phase(point)                      place on that surface at which the phase of light is evaluated
-// A sink that does not follow phases also has
-//   looks_at_surfaces()                        whether look_at is called for each ray of a camera
-//   look_at(albedo, normal)                    of the first surface that scatters the light of the path
 
 namespace holotrace {
 
@@ -63,7 +60,6 @@ class PathWalk {
     if (!scene_.accelerator.closest_hit(ray, hit_, Aim::random)) return false;
     if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
     set_first(automaton_.start(), -ray.direction, 1, Aim::random);
-    if constexpr (!Sink::follows_phase) is_looking_ = sink_.looks_at_surfaces();
     return true;
   }
 
@@ -76,7 +72,6 @@ class PathWalk {
     else
       arrive(count);
     throughput_ = {1, 1, 1};
-    if (point_.light >= 0) is_looking_ = false;
     return point_.light < 0;
   }
 
@@ -84,22 +79,12 @@ class PathWalk {
   void go_on(LowDiscrepancy& numbers) {
     for (;;) {
       const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, scene_.lines);
-      if (is_looking_)
-        if (const LobeSet has = lobes_of(bsdf); has.has_diffuse || has.has_glossy) look_at(albedo_of(bsdf));
       // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
-      if (!next) break;
+      if (!next) return;
       if constexpr (Sink::follows_phase) sink_.scatter(point_, *next);
-      if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) break;
+      if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) return;
     }
-    is_looking_ = false;
-  }
-
-  /// Shows the sink the surface that the path has reached, if it looks for one.
-  void look_at(Vec3 albedo) {
-    if (!is_looking_) return;
-    if constexpr (!Sink::follows_phase) sink_.look_at(throughput_ * albedo, point_.normal);
-    is_looking_ = false;
   }
 
   /// The surface that the path has reached, and the throughput on the way to it.
@@ -309,7 +294,6 @@ class PathWalk {
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
   bool is_counted_ = true;         // whether the path counts as cut after the last surface, in proportion to its light
   Aim aim_ = Aim::exact;           // how the point was found
-  bool is_looking_ = false;        // whether the sink wants to see the first surface that scatters
   DirectLight<Sink> direct_light_;
   const CommonStart* common_ = nullptr;
 };
