@@ -86,21 +86,19 @@ void denoise_targets(std::vector<Image>& planes, std::vector<Image>& cells, Deno
   Observer at_end = observer;  // tracing has reported its own progress; a caller may want to stop
   at_end.on_progress = [&](double) { observer.progress(1); };
   size_t done = 0;
-  const auto clean = [&](std::vector<Image>& pictures, const char* kind) {
-    for (size_t k = 0; k < pictures.size(); ++k) {
-      observer.status(fmt::format("denoising {} {} of {}", kind, k + 1, pictures.size()));
-      Image denoised = denoise(pictures[k], {}, DenoiseQuality::fast, at_end);
-      const double psnr = done == 0 ? amplitude_psnr(pictures[k], denoised) : 0;
+  for (const auto& [pictures, kind] : {std::pair(&planes, "plane"), std::pair(&cells, "view")})
+    for (size_t k = 0; k < pictures->size(); ++k) {
+      observer.status(fmt::format("denoising {} {} of {}", kind, k + 1, pictures->size()));
+      Image& picture = (*pictures)[k];
+      Image denoised = denoise(picture, {}, DenoiseQuality::fast, at_end);
+      const double psnr = k == 0 ? amplitude_psnr(picture, denoised) : 0;
       if (choice == Denoise::automatic && psnr > clean_enough) {
         observer.fact("why_not_denoised", fmt::format("the light paths alone have a PSNR of {:.1f} dB", psnr));
         break;
       }
-      pictures[k] = std::move(denoised);
+      picture = std::move(denoised);
       ++done;
     }
-  };
-  clean(planes, "plane");
-  if (choice == Denoise::all) clean(cells, "view");
   observer.status("");
   observer.fact("denoised", done);
 }

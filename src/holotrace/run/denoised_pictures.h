@@ -28,12 +28,11 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
 /// changes a hologram's picture by less than 0.1 dB.
 inline constexpr double clean_enough = 42;
 
-/// Denoises the traced light that holograms aim at: the planes with auto or all, the cells of a light field, whose picture is
-/// empty of cells without one, with all. The first plane shows how much noise there is: if its light paths alone are clean_enough
-/// and the choice is auto, the rest stays as it is.
+/// Denoises the traced light that holograms aim at: its planes, and the views from the cells of a light field. With auto, the first
+/// picture of each kind shows how much noise there is: if its light paths alone are clean_enough, all of that kind stay as
+/// they are.
 ///
-/// The planes are denoised one by one, fast.
-/// Facts: as of make_picture.
+/// The pictures are denoised one by one, fast. Facts: as of make_picture.
 void denoise_targets(std::vector<Image>& planes, std::vector<Image>& cells, Denoise choice,
                      const Observer& observer = {});
 
