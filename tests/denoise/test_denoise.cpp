@@ -138,6 +138,17 @@ TEST(Denoise, LeavesBlackSurroundingsAndTinyPicturesAsTheyAre) {
     }
 }
 
+TEST(Denoise, GreyStaysGrey) {
+  HOLOTRACE_NEEDS_DENOISER();
+  const Image one = with_noise(truth_of(1), 4);
+  Image grey(side, side, 3);
+  grey.pitch = 3e-6;
+  for (size_t i = 0; i < grey.values.size(); ++i) grey.values[i] = one.values[i / 3];
+  const Image denoised = denoise(grey), of_one = denoise(one);
+  EXPECT_EQ(denoised.pitch, grey.pitch);
+  for (size_t i = 0; i < grey.values.size(); ++i) ASSERT_EQ(denoised.values[i], of_one.values[i / 3]) << i;
+}
+
 TEST(Denoise, OneBrightPixelDoesNotBrightenItsNeighbourhood) {
   HOLOTRACE_NEEDS_DENOISER();
   Image noisy(side, side, 3);

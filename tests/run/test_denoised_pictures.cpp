@@ -66,6 +66,12 @@ Job corner_job() {
   return job;
 }
 
+Job job_with(Denoise choice) {
+  Job job;
+  job.encode.denoise = choice;
+  return job;
+}
+
 Image rendered(const Job& job, const RenderParams& params) {
   return render(job.scene, job.slm.grid, test_wavelength, params);
 }
@@ -142,7 +148,7 @@ TEST(DenoiseTargets, PlanesAndViewsOfALightFieldAreDenoisedUnlessNoneIsAskedFor)
     std::vector<Image> planes{even_light(4, 1), even_light(4, 2)}, cells{even_light(4, 3)};
     const std::vector<Image> planes_before = planes, cells_before = cells;
     Heard heard;
-    denoise_targets(planes, cells, choice, heard.observer());
+    denoise_targets(job_with(choice), planes, cells, heard.observer());
     for (size_t k = 0; k < 2; ++k) EXPECT_EQ(planes[k].values != planes_before[k].values, choice != Denoise::none) << k;
     EXPECT_EQ(cells[0].values != cells_before[0].values, choice != Denoise::none);
     if (choice == Denoise::none)
@@ -163,7 +169,7 @@ TEST(DenoiseTargets, StayAsTheyAreIfTheirNoiseIsSmall) {
     std::vector<Image> planes{even_light(paths, 1), even_light(paths, 2)}, cells{even_light(4, 3)};
     const std::vector<Image> before = planes;
     Heard heard;
-    denoise_targets(planes, cells, choice, heard.observer());
+    denoise_targets(job_with(choice), planes, cells, heard.observer());
     EXPECT_EQ(heard.denoised(), is_kept ? 1 : 3) << "views of few paths are noisy in any case";
     EXPECT_EQ(heard.facts.contains("why_not_denoised"), is_kept);
     for (size_t k = 0; k < 2; ++k) EXPECT_EQ(planes[k].values == before[k].values, is_kept);
@@ -182,6 +188,23 @@ TEST(DenoiseTargets, ReferencesOfMetricsStayAsTheyAre) {
   EXPECT_NE(denoised.planes.pictures[0].values, plain.planes.pictures[0].values);
 }
 
+TEST(DenoisedPictures, LuminousPointsAreNoNoise) {
+  Job job = corner_job();
+  job.scene.points = {{{0, 0, -0.03}}};
+  for (const Denoise choice : {Denoise::automatic, Denoise::all}) {
+    job.render.denoise = job.encode.denoise = choice;
+    Heard heard;
+    EXPECT_EQ(make_picture(job, job.render, PictureUse::to_look_at, heard.observer()).values,
+              rendered(job, job.render).values);
+    EXPECT_EQ(std::get<std::string>(heard.facts.at("why_not_denoised")),
+              "the scene has luminous points, which look like noise");
+    EXPECT_EQ(heard.warnings.size(), choice == Denoise::all ? 1U : 0U);
+    std::vector<Image> planes{even_light(4, 1)}, none;
+    denoise_targets(job, planes, none);
+    EXPECT_EQ(planes[0].values, even_light(4, 1).values);
+  }
+}
+
 TEST(DenoisedPictures, ALibraryThatCannotBeUsedIsAWarningAndPicturesStayAsTheyAre) {
   const Environment nowhere("HOLOTRACE_OIDN", "/nowhere");
   const Job job = corner_job();
@@ -194,7 +217,7 @@ TEST(DenoisedPictures, ALibraryThatCannotBeUsedIsAWarningAndPicturesStayAsTheyAr
   EXPECT_EQ(heard.warnings[0], "pictures are not denoised: " + why);
   Heard of_targets;
   std::vector<Image> planes{even_light(4, 1)}, none;
-  denoise_targets(planes, none, Denoise::automatic, of_targets.observer());
+  denoise_targets(job_with(Denoise::automatic), planes, none, of_targets.observer());
   EXPECT_EQ(planes[0].values, even_light(4, 1).values);
   EXPECT_EQ(of_targets.warnings, heard.warnings);
 }

@@ -183,10 +183,29 @@ void keep_means(const Image& noisy, const Part& part, Image& denoised) {
   });
 }
 
+bool is_grey(const Image& image) {
+  if (image.channels != 3) return false;
+  for (size_t i = 0; i < image.values.size(); i += 3)
+    if (image.values[i] != image.values[i + 1] || image.values[i] != image.values[i + 2]) return false;
+  return true;
+}
+
+// Of a grey picture, one channel, or of one channel a grey picture.
+Image with_channels(const Image& image, int channels) {
+  Image other(image.ny, image.nx, channels);
+  other.pitch = image.pitch;
+  other.centre_x = image.centre_x;
+  other.centre_y = image.centre_y;
+  for (size_t i = 0; i < other.values.size(); ++i)
+    other.values[i] = image.values[i / size_t(channels) * size_t(image.channels)];
+  return other;
+}
+
 }  // namespace
 
 Image denoise(const Image& radiance, const DenoiseGuides& guides, DenoiseQuality quality, const Observer& observer) {
   check_picture(radiance);
+  if (is_grey(radiance)) return with_channels(denoise(with_channels(radiance, 1), guides, quality, observer), 3);
   const bool is_guided = !guides.albedo.values.empty() || !guides.normals.values.empty();
   if (is_guided) {
     check_guide(guides.albedo, radiance, "albedo");

@@ -27,7 +27,7 @@ struct DenoiseGuides {
 /// so that means over regions are those of the light paths. The picture remains an estimate with a bias at its details: do
 /// not measure with it. explanation/path_tracing.md has its errors.
 ///
-/// Black borders stay as they are, and so do pictures with fewer than 16 columns or rows of light.
+/// Grey pictures of three channels stay grey. Black borders stay as they are, and so do pictures with fewer than 16 columns or rows of light.
 ///
 /// @param radiance  linear light, 1 or 3 channels, finite values of 0 or more
 /// @param guides    both on the picture's pixels, or none. They are denoised first, and take 3.4 times the time of the picture

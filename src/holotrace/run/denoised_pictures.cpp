@@ -19,17 +19,21 @@ bool is_to_denoise(Denoise choice, PictureUse use) {
   return choice == Denoise::all || (choice == Denoise::automatic && use == PictureUse::to_look_at);
 }
 
-// Whether the library is there, which is stated.
-bool has_denoiser(Denoise choice, const Observer& observer) {
+// Whether pictures of a scene can be denoised, which is stated.
+bool can_denoise(const Scene& scene, Denoise choice, const Observer& observer) {
+  const auto say_why_not = [&](const std::string& why, bool is_warned) {
+    observer.fact("denoised", 0);
+    observer.fact("why_not_denoised", why);
+    if (is_warned) observer.warn("pictures are not denoised: " + why);
+    return false;
+  };
+  if (!scene.points.empty())
+    return say_why_not("the scene has luminous points, which look like noise", choice == Denoise::all);
   try {
     observer.fact("denoiser", find_denoiser());
     return true;
   } catch (const NoDenoiser& none) {
-    observer.fact("denoised", 0);
-    observer.fact("why_not_denoised", std::string(none.what()));
-    if (none.is_broken || choice == Denoise::all)
-      observer.warn(fmt::format("pictures are not denoised: {}", none.what()));
-    return false;
+    return say_why_not(none.what(), none.is_broken || choice == Denoise::all);
   }
 }
 
@@ -58,7 +62,7 @@ double amplitude_psnr(const Image& picture, const Image& truth) {
 }  // namespace
 
 Image make_picture(const Job& job, const RenderParams& params, PictureUse use, const Observer& observer) {
-  if (!is_to_denoise(params.denoise, use) || !has_denoiser(params.denoise, observer))
+  if (!is_to_denoise(params.denoise, use) || !can_denoise(job.scene, params.denoise, observer))
     return make_render(job, params, observer);
   const Image noisy = make_render(job, params, between(observer, 0, of_tracing));
   observer.fact("denoised", 1);
@@ -67,7 +71,7 @@ Image make_picture(const Job& job, const RenderParams& params, PictureUse use, c
 
 FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances, const RenderParams& params,
                             PictureUse use, const Observer& observer) {
-  const bool is_denoised = is_to_denoise(params.denoise, use) && has_denoiser(params.denoise, observer);
+  const bool is_denoised = is_to_denoise(params.denoise, use) && can_denoise(job.scene, params.denoise, observer);
   const double traced = is_denoised ? of_tracing : 1;
   FocalStack stack =
       trace_focal_stack(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), distances,
@@ -81,8 +85,9 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
   return stack;
 }
 
-void denoise_targets(std::vector<Image>& planes, std::vector<Image>& cells, Denoise choice, const Observer& observer) {
-  if (choice == Denoise::none || planes.empty() || !has_denoiser(choice, observer)) return;
+void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Image>& cells, const Observer& observer) {
+  const Denoise choice = job.encode.denoise;
+  if (choice == Denoise::none || planes.empty() || !can_denoise(job.scene, choice, observer)) return;
   Observer at_end = observer;  // tracing has reported its own progress; a caller may want to stop
   at_end.on_progress = [&](double) { observer.progress(1); };
   size_t done = 0;

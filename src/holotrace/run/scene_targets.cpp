@@ -192,7 +192,7 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
     to.distances.push_back(planes.distances[k]);
     to.pictures.push_back(std::move(views.stack.pictures[k]));
   }
-  denoise_targets(targets.planes.pictures, views.light_field.views, job.encode.denoise, observer);
+  denoise_targets(job, targets.planes.pictures, views.light_field.views, observer);
   if (planes.light_field) targets.light_field = std::move(views.light_field);
   return targets;
 }
