@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/data/acceptance.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/command_files.h"
@@ -24,12 +23,11 @@
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run/save_views.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/scene_targets.h"
-#include "holotrace/trace/focal_stack.h"
-#include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
@@ -111,7 +109,7 @@ void add_run(Command& app, const GlobalFlags& global) {
       ->type_name("LENGTH");
   Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
-  o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations"},
+  o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations", "denoise"},
                            "Encoding (overrides the scene's [encode])");
   o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
@@ -155,12 +153,16 @@ void add_run(Command& app, const GlobalFlags& global) {
   });
 }
 
+// PNG files are to look at; EXR and HDF5 files hold radiance.
+PictureUse use_of(const std::string& output) {
+  return extension_of(output) == ".png" ? PictureUse::to_look_at : PictureUse::radiance;
+}
+
 // Traces and writes the focal stack that the scene or a flag asks for.
 void save_stack(const Job& job, const std::string& output, Console& console, bool is_quiet) {
   const auto start = std::chrono::steady_clock::now();
-  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
-  const FocalStack stack = trace_focal_stack(job.scene, job.slm.grid, wavelength, job.render.focal_stack, job.render,
-                                             console.watch("focal stack"));
+  const FocalStack stack =
+      make_focal_stack(job, job.render.focal_stack, job.render, use_of(output), console.watch("focal stack"));
   const std::chrono::duration<double> traced = std::chrono::steady_clock::now() - start;
   console.finish();
   if (extension_of(output) == ".h5") {
@@ -205,8 +207,7 @@ void add_render(Command& app, const GlobalFlags& global) {
       for (const char* eye : {"_left", "_right"}) note_output(path_with_suffix(o->output, eye));
     if (is_stack) return save_stack(job, o->output, console, global.is_quiet);
     const auto render_with = [&](const RenderParams& params, const std::string& stage) {
-      return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params,
-                    console.watch(stage));
+      return make_picture(job, params, use_of(o->output), console.watch(stage));
     };
     if (job.render.eye_separation == 0) {
       std::vector<Image> pictures;  // not a list in braces, which would be copied

@@ -2,12 +2,10 @@
 
 #include <nanobind/stl/vector.h>
 
-#include "holotrace/data/acceptance.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
+#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/scene_light.h"
-#include "holotrace/trace/focal_stack.h"
-#include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/stereo.h"
 #include "nouns.h"
@@ -34,14 +32,11 @@ void with_stage(Job& job, const std::string& stage, const Use& use) {
       unknown_name_message("stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera"}));
 }
 
-double wavelength_of(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
-
 Image render_scene(const Job& job, const nb::dict& given, Watch& watch) {
   RenderParams params = job.render;
   set_params(given, params);
-  return watch.run("render", [&](const Observer& observer) {
-    return render(job.scene, job.slm.grid, wavelength_of(job), params, observer);
-  });
+  return watch.run("render",
+                   [&](const Observer& observer) { return make_picture(job, params, PictureUse::radiance, observer); });
 }
 
 // Left and right.
@@ -52,7 +47,7 @@ std::vector<Image> render_pair(const Job& job, const nb::dict& given, Watch& wat
   std::vector<Image> pair;
   for (size_t i = 0; i < eyes.size(); ++i)
     pair.push_back(watch.run(i == 0 ? "left eye" : "right eye", [&](const Observer& observer) {
-      return render(job.scene, job.slm.grid, wavelength_of(job), eyes[i], observer);
+      return make_picture(job, eyes[i], PictureUse::radiance, observer);
     }));
   return pair;
 }
@@ -61,7 +56,7 @@ FocalStack trace_stack(const Job& job, const std::vector<double>& distances, con
   RenderParams params = job.render;
   set_params(given, params);
   return watch.run("focal stack", [&](const Observer& observer) {
-    return trace_focal_stack(job.scene, job.slm.grid, wavelength_of(job), distances, params, observer);
+    return make_focal_stack(job, distances, params, PictureUse::radiance, observer);
   });
 }
 

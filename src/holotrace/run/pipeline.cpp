@@ -10,6 +10,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/view_place.h"
 #include "holotrace/run/common_exposure.h"
+#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/lit_part.h"
 #include "holotrace/run/quality.h"
 #include "holotrace/run/reference_metrics.h"
@@ -35,12 +36,14 @@ EncodeParams encoding_of(const Job& job) {
   return params;
 }
 
+// Pictures that nothing is compared with.
 std::vector<Image> make_renders(const Job& job, const std::vector<PlannedRender>& planned, Report& report,
                                 const StageObserver& watch) {
   std::vector<Image> renders;
   for (const PlannedRender& render : planned)
-    renders.push_back(
-        run_stage(render.stage, report, watch, [&](const Observer& o) { return make_render(job, render.params, o); }));
+    renders.push_back(run_stage(render.stage, report, watch, [&](const Observer& o) {
+      return make_picture(job, render.params, PictureUse::to_look_at, o);
+    }));
   return renders;
 }
 

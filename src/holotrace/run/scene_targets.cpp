@@ -9,6 +9,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/trace/depth_range.h"
 #include "holotrace/trace/focal_stack.h"
@@ -191,6 +192,7 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
     to.distances.push_back(planes.distances[k]);
     to.pictures.push_back(std::move(views.stack.pictures[k]));
   }
+  denoise_targets(job, targets.planes.pictures, views.light_field.views, observer);
   if (planes.light_field) targets.light_field = std::move(views.light_field);
   return targets;
 }

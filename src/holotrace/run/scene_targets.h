@@ -27,7 +27,8 @@ struct SceneTargets {
 /// @throws Error  for a scene without anything in the panel's window
 std::vector<double> target_distances_of(const Job& job);
 
-/// Traces the targets. Facts: those of trace_scene_views; `target_distances`, the number of planes.
+/// Traces the targets, and denoises them as job.encode.denoise says; the planes seen, which are references of metrics, stay
+/// as they are. Facts: those of trace_scene_views and denoise_targets; `target_planes`, their number; `nearest_plane`, `farthest_plane`.
 /// @throws Error  as trace_scene_views and target_distances_of do, and for a real image with the target light-field
 SceneTargets trace_targets(const Job& job, const Observer& observer = {});
 

@@ -9,6 +9,7 @@
 
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/denoise.h"
 
 // encode: Field → Hologram
 
@@ -75,6 +76,7 @@ struct EncodeParams {
   /// need one. 1: no stop.
   double stop = 0;
   EncodeTarget target = EncodeTarget::field;  ///< what iterations aim at
+  Denoise denoise = Denoise::automatic;       ///< targets render, light-field: which are denoised
   Quality quality = Quality::as_given;        ///< sgd, scenes: chooses frames, planes and iterations that are not given
   std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
   int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 16, or by quality
@@ -124,6 +126,10 @@ void describe(Visitor& v, EncodeParams& p) {
       {{"field", EncodeTarget::field}, {"render", EncodeTarget::render}, {"light-field", EncodeTarget::light_field}},
       "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
       "light in planes through the scene (render); that light and the views through pupils (light-field)");
+  v.choice(
+      "denoise", p.denoise, denoise_names,
+      "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: where their noise "
+      "is visible (auto); none; or all");
   v.choice(
       "quality", p.quality,
       {{"as-given", Quality::as_given}, {"draft", Quality::draft}, {"good", Quality::good}, {"best", Quality::best}},
