@@ -24,41 +24,44 @@ struct AxisCells {
   std::vector<double> places;    // for each cell: where its picture is read, in pixels along this axis
 };
 
-/// One axis of the panel, and how rays cross it. Places grow with the index of cells and pixels: y points down here.
+/// One axis of the lens, and how rays cross it. Places grow with the index of cells and pixels: y points down here.
 struct Axis {
-  double panel_low, cell;  // border of the first cell, and size of a cell [m]
+  double lens_low, cell;  // border of the first cell, and size of a cell [m]
   int cells;
+  double panel_low, panel_high;  // sides of the panel [m]
   double view_first, view_pitch;  // centre of the first pixel of the cells' pictures, and their pitch [m]
   double eye;                     // centre of the pupil [m]
 };
 
 struct Geometry {
-  double distance, view_distance;  // planes of the picture, and of the cells' pictures [m]
-  double share;                    // d/(d + e_z)
+  double distance, view_distance;  // planes of the picture, and of the cells' pictures, from the lens [m]
+  double share;                    // (d + l)/(d + e_z)
   double radius;                   // of the footprint [m]
   double reach;                    // of the acceptance box [m]
+  double beyond_panel;             // (d + l)/d: the panel on the lens, as a point of the picture sees it
 };
 
 AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel) {
   const double centre = pixel + (axis.eye - pixel) * geometry.share;
-  const double low = std::max({axis.panel_low, pixel - geometry.reach, centre - geometry.radius});
-  const double high =
-      std::min({axis.panel_low + axis.cell * axis.cells, pixel + geometry.reach, centre + geometry.radius});
+  const auto on_lens = [&](double side) { return pixel + (side - pixel) * geometry.beyond_panel; };
+  const double low_open = std::max({axis.lens_low, pixel - geometry.reach, on_lens(axis.panel_low)});
+  const double high_open =
+      std::min({axis.lens_low + axis.cell * axis.cells, pixel + geometry.reach, on_lens(axis.panel_high)});
+  const double low = std::max(low_open, centre - geometry.radius), high = std::min(high_open, centre + geometry.radius);
   AxisCells result;
   if (!(low < high)) return result;
-  result.first = std::clamp(int((low - axis.panel_low) / axis.cell), 0, axis.cells - 1);
-  const int last = std::clamp(int(std::ceil((high - axis.panel_low) / axis.cell)) - 1, result.first, axis.cells - 1);
+  result.first = std::clamp(int((low - axis.lens_low) / axis.cell), 0, axis.cells - 1);
+  const int last = std::clamp(int(std::ceil((high - axis.lens_low) / axis.cell)) - 1, result.first, axis.cells - 1);
   result.count = last - result.first + 1;
   for (int i = 0; i <= result.count; ++i) {
-    const double border = std::clamp(axis.panel_low + axis.cell * (result.first + i), low, high);
+    const double border = std::clamp(axis.lens_low + axis.cell * (result.first + i), low, high);
     const double edge = std::clamp((border - centre) / geometry.radius, -1.0, 1.0);
     result.edges.push_back(edge);
     result.segments.push_back(disc_area_below(edge));
   }
   for (int i = 0; i < result.count; ++i) {
-    const double from = axis.panel_low + axis.cell * (result.first + i);
-    const double seen_low = std::max(from, pixel - geometry.reach);
-    const double seen_high = std::min(from + axis.cell, pixel + geometry.reach);
+    const double from = axis.lens_low + axis.cell * (result.first + i);
+    const double seen_low = std::max(from, low_open), seen_high = std::min(from + axis.cell, high_open);
     const double place = (seen_low + seen_high) / 2;
     const double at = place + (pixel - place) * geometry.view_distance / geometry.distance;
     result.places.push_back((at - axis.view_first) / axis.view_pitch);
@@ -125,6 +128,7 @@ double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y
 
 void check_light_field(const LightField& field) {
   check_grid(field.panel);
+  check_grid(field.lens);
   check_grid(field.plane);
   require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
           "expected a light field with a picture for each of its {} x {} cells, got {}", field.columns, field.rows,
@@ -159,14 +163,20 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
 
-  const double share = distance / (distance + pupil.centre.z);
-  const Geometry geometry{distance, light_field.distance, share, pupil.diameter / 2 * share,
-                          box_radius(distance, wavelength, light_field.panel.pitch)};
-  const Grid& view = light_field.plane;
-  const Axis across{light_field.left(), light_field.cell_width(), light_field.columns, view.x(0), view.pitch,
-                    pupil.centre.x};
-  const Axis down{-light_field.top(), light_field.cell_height(), light_field.rows, -view.y(0), view.pitch,
-                  -pupil.centre.y};
+  require(pupil.centre.z >= light_field.lens_z, "expected a pupil on the lens of the light field or in front of it, got one behind it");
+
+  const double from_lens = distance + light_field.lens_z, share = from_lens / (distance + pupil.centre.z);
+  const Grid &panel = light_field.panel, &view = light_field.plane;
+  const Geometry geometry{from_lens,
+                          light_field.distance + light_field.lens_z,
+                          share,
+                          pupil.diameter / 2 * share,
+                          box_radius(from_lens, wavelength, panel.pitch),
+                          from_lens / distance};
+  const Axis across{light_field.left(), light_field.cell_width(), light_field.columns, panel.x(-0.5),
+                    panel.x(panel.nx - 0.5), view.x(0), view.pitch, pupil.centre.x};
+  const Axis down{-light_field.top(), light_field.cell_height(), light_field.rows, -panel.y(-0.5),
+                  -panel.y(panel.ny - 0.5), -view.y(0), view.pitch, -pupil.centre.y};
   std::vector<AxisCells> columns;
   for (int column = 0; column < grid.nx; ++column) columns.push_back(touched_cells(across, geometry, grid.x(column)));
 
