@@ -47,10 +47,10 @@ Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParam
 // The start of a frame for eyes: a wave that converges to one of them, the frame's in turn, with a little noise, which
 // makes frames differ.
 Array2D<std::complex<float>> converging_pattern(const std::vector<Vec3>& eyes, const Field& field,
-                                                const EncodeParams& params) {
+                                                const EncodeParams& params, Modulation modulation) {
   constexpr double noise = 0.05;  // cycles, either way
   const Vec3 eye = eyes[field.frame % eyes.size()];
-  const double modulus = field.grid.nx > 0 ? 1 : 0;
+  const double modulus = modulation == Modulation::complex ? 0.5 : 1;
   Array2D<std::complex<float>> pattern(field.grid.ny, field.grid.nx);
   parallel_for(0, pattern.ny, [&](int64_t j) {
     for (int i = 0; i < pattern.nx; ++i) {
@@ -102,12 +102,15 @@ bool is_dark(const TargetSet& targets, double wavelength, const Observer& observ
   return true;
 }
 
-// The light of the middle target plane with the phase 0, on the panel. One frame from such a start has little speckle.
-Field flat_start(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params) {
+// The start of frames that aim at planes: the field that shows the middle one. One frame has the phase 0 in that plane, which
+// has the least speckle; several have random phases there, which differ, and keep the light within the planes.
+Field start_at_planes(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params, int frame,
+                      int frames) {
   EncodeParams direct = params;
   direct.method = Encoding::phase;
   direct.iterations = 1;
-  direct.start = StartPhase::field;
+  direct.start = frames == 1 ? StartPhase::field : StartPhase::random;
+  direct.seed = params.seed + frame;
   return field_of_target(targets[targets.size() / 2], slm, direct);
 }
 
@@ -149,24 +152,24 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method, encoding_names));
   require(frames >= 1, "expected at least one frame, got {}", frames);
-  EncodeParams start_params = params;
-  const bool converges = !targets.eyes.empty() && params.start == StartPhase::field;
-  if (frames > 1) start_params.start = StartPhase::random;  // equal starts would give equal frames
   std::vector<Hologram> holograms;
   const Slm known = with_effects(slm, params.effects);
-  Field start(slm.grid, wavelength);
-  if (start_params.start == StartPhase::field && !converges) start = flat_start(targets.planes, slm, params);
+  const bool has_dark_targets = is_dark(targets, wavelength, observer);
   for (int frame = 0; frame < frames; ++frame) {
+    Field start(slm.grid, wavelength);
+    if (params.start == StartPhase::field && targets.eyes.empty() && !has_dark_targets)
+      start = start_at_planes(targets.planes, slm, params, frame, frames);
     start.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(start, slm, params, frame == 0 ? observer : Observer{}));
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
     if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
       tell_phase_range(known, levels.range(), wavelength, observer);
-    write_start(converges ? converging_pattern(targets.eyes, start, params)
-                          : start_pattern(start, start_params, holograms.back().modulation),
+    const bool converges = params.start == StartPhase::field && !targets.eyes.empty();
+    write_start(converges ? converging_pattern(targets.eyes, start, params, holograms.back().modulation)
+                          : start_pattern(start, params, holograms.back().modulation),
                 levels, holograms.back());
   }
-  if (is_dark(targets, wavelength, observer)) {
+  if (has_dark_targets) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;
     return holograms;
   }
