@@ -7,6 +7,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
+#include "holotrace/view/diffraction_limit.h"
 
 namespace holotrace {
 namespace {
@@ -28,6 +29,7 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
     params.focus = distances[d];
     params.field_of_view = std::atan(panel.height() / 2 / distances[d]);
     pictures.push_back(render(job.scene, panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));
+    limit_to_pupil(pictures.back(), panel.pitch, wavelength, distances[d] + params.eye.z, params.pupil);
   }
   return pictures;
 }

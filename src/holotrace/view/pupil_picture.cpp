@@ -22,6 +22,7 @@ struct AxisCells {
   std::vector<double> edges;     // their count + 1 borders, from the disc's centre in radii, within −1 … 1
   std::vector<double> segments;  // area of the disc below each border
   std::vector<double> places;    // for each cell: where its picture is read, in pixels along this axis
+  std::vector<double> open;      // for each cell: the part of it that light reaches; 1 where edges leave the rest out
 };
 
 /// One axis of the lens, and how rays cross it. Places grow with the index of cells and pixels: y points down here.
@@ -41,15 +42,21 @@ struct Geometry {
   double beyond_panel;             // (d + l)/d: the panel on the lens, as a point of the picture sees it
 };
 
+/// Whether pupils lie in the lens: the footprint of all pixels is then the pupil itself.
+bool is_same_for_all(const Geometry& geometry) { return geometry.share == 1; }
+
 AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel) {
   const double centre = pixel + (axis.eye - pixel) * geometry.share;
   const auto on_lens = [&](double side) { return pixel + (side - pixel) * geometry.beyond_panel; };
+  const double lens_high = axis.lens_low + axis.cell * axis.cells;
   const double low_open = std::max({axis.lens_low, pixel - geometry.reach, on_lens(axis.panel_low)});
-  const double high_open =
-      std::min({axis.lens_low + axis.cell * axis.cells, pixel + geometry.reach, on_lens(axis.panel_high)});
-  const double low = std::max(low_open, centre - geometry.radius), high = std::min(high_open, centre + geometry.radius);
+  const double high_open = std::min({lens_high, pixel + geometry.reach, on_lens(axis.panel_high)});
   AxisCells result;
-  if (!(low < high)) return result;
+  if (!(std::max(low_open, centre - geometry.radius) < std::min(high_open, centre + geometry.radius))) return result;
+  // What cuts the footprint of this pixel: nothing but the lens if all pixels have the same one, whose areas are found once.
+  const bool is_same = is_same_for_all(geometry);
+  const double low = std::max(is_same ? axis.lens_low : low_open, centre - geometry.radius);
+  const double high = std::min(is_same ? lens_high : high_open, centre + geometry.radius);
   result.first = std::clamp(int((low - axis.lens_low) / axis.cell), 0, axis.cells - 1);
   const int last = std::clamp(int(std::ceil((high - axis.lens_low) / axis.cell)) - 1, result.first, axis.cells - 1);
   result.count = last - result.first + 1;
@@ -62,6 +69,7 @@ AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel
   for (int i = 0; i < result.count; ++i) {
     const double from = axis.lens_low + axis.cell * (result.first + i);
     const double seen_low = std::max(from, low_open), seen_high = std::min(from + axis.cell, high_open);
+    result.open.push_back(is_same ? std::max(0.0, seen_high - seen_low) / axis.cell : 1);
     const double place = (seen_low + seen_high) / 2;
     const double at = place + (pixel - place) * geometry.view_distance / geometry.distance;
     result.places.push_back((at - axis.view_first) / axis.view_pitch);
@@ -105,18 +113,29 @@ double corner_area(const AxisCells& x, const AxisCells& y, size_t i, size_t j) {
   return disc_area_below(u, v);
 }
 
-/// Adds the pictures of all cells that the footprint of one pixel touches. @return area of the footprint [radii²]
-double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y, float* sum) {
-  double total = 0;
+/// Area of the disc in each of the touched cells [radii²], row by row.
+void find_areas(const AxisCells& x, const AxisCells& y, std::vector<double>& areas) {
+  areas.resize(size_t(x.count) * size_t(y.count));
   for (int j = 0; j < y.count; ++j) {
-    const Between row = between(y.places[size_t(j)], field.plane.ny);
     double above = corner_area(x, y, 0, size_t(j)), below = corner_area(x, y, 0, size_t(j) + 1);
     for (int i = 0; i < x.count; ++i) {
       const double above_next = corner_area(x, y, size_t(i) + 1, size_t(j));
       const double below_next = corner_area(x, y, size_t(i) + 1, size_t(j) + 1);
-      const double area = below_next - below - (above_next - above);
+      areas[size_t(j) * size_t(x.count) + size_t(i)] = below_next - below - (above_next - above);
       above = above_next;
       below = below_next;
+    }
+  }
+}
+
+/// Adds the pictures of all cells that the footprint of one pixel touches. @return area of the footprint [radii²]
+double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y, const std::vector<double>& areas,
+                 float* sum) {
+  double total = 0;
+  for (int j = 0; j < y.count; ++j) {
+    const Between row = between(y.places[size_t(j)], field.plane.ny);
+    for (int i = 0; i < x.count; ++i) {
+      const double area = areas[size_t(j) * size_t(x.count) + size_t(i)] * x.open[size_t(i)] * y.open[size_t(j)];
       if (area < 1e-9) continue;
       total += area;
       const size_t cell = size_t(y.first + j) * size_t(field.columns) + size_t(x.first + i);
@@ -180,16 +199,21 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   std::vector<AxisCells> columns;
   for (int column = 0; column < grid.nx; ++column) columns.push_back(touched_cells(across, geometry, grid.x(column)));
 
+  const auto lit = std::find_if(columns.begin(), columns.end(), [](const AxisCells& cells) { return cells.count > 0; });
   const int channels = light_field.views.front().channels;
   PupilPicture picture{make_image(grid, channels), make_image(grid, 1)};
   parallel_for(0, grid.ny, [&](int64_t row) {
     const AxisCells rows = touched_cells(down, geometry, -grid.y(double(row)));
     if (rows.count == 0) return;
+    std::vector<double> areas;
+    const bool is_same = is_same_for_all(geometry);
+    if (is_same && lit != columns.end()) find_areas(*lit, rows, areas);
     for (int column = 0; column < grid.nx; ++column) {
       const AxisCells& cells = columns[size_t(column)];
       if (cells.count == 0) continue;
+      if (!is_same) find_areas(cells, rows, areas);
       std::array<float, 3> sum{};
-      const double area = add_cells(light_field, cells, rows, sum.data());
+      const double area = add_cells(light_field, cells, rows, areas, sum.data());
       if (!(area > 0)) continue;
       picture.open(int(row), column) = float(std::min(1.0, area / pi));
       for (int c = 0; c < channels; ++c) picture.radiance(int(row), column, c) = sum[size_t(c)] / float(area);
