@@ -17,9 +17,17 @@
 namespace holotrace {
 namespace {
 
-// Part of the plane of an eye that pupils with their middles in the box cover.
+// The box that pupils are drawn from: a little larger than the eyebox, since places at its edge have neighbours on one side only.
+Eyebox drawn_box(const EncodeParams& params) {
+  Eyebox box = eyebox_of(params);
+  box.width += pupil_of(params) / 6;
+  box.height += pupil_of(params) / 6;
+  return box;
+}
+
+// Part of the plane of an eye that pupils with their middles in that box cover.
 PlanePart covered_part(const Vec3& eye, const EncodeParams& params) {
-  const Eyebox box = eyebox_of(params);
+  const Eyebox box = drawn_box(params);
   const double across = (box.width + pupil_of(params)) / 2, down = (box.height + pupil_of(params)) / 2;
   return {{eye.x - across, eye.y - down}, {eye.x + across, eye.y + down}};
 }
@@ -78,10 +86,18 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
   return lights;
 }
 
-LightField light_at(const LightField& light, double wavelength) {
+LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z) {
   LightField one = light;
-  for (Image& view : one.views) view = seen_at(view, {wavelength});
+  for (Image& view : one.views) {
+    view = seen_at(view, {wavelength});
+    limit_to_pupil(view, light.plane.pitch, wavelength, light.distance + z, diameter);
+  }
   return one;
+}
+
+Pupil camera_pupil(const Job& job) {
+  const double z = job.camera.eye.z > 0 ? job.camera.eye.z : 0.3;
+  return {{job.camera.eye.x, job.camera.eye.y, z}, job.camera.pupil > 0 ? job.camera.pupil : 2e-3};
 }
 
 ViewTargets views_of(const LightField& light, const Job& job, double distance, double wavelength,
@@ -97,7 +113,6 @@ ViewTargets views_of(const LightField& light, const Job& job, double distance, d
     const double solid = pi / 4 * std::pow(pupil.diameter * distance / to_pupil, 2) / largest;
     Image& radiance = seen.radiance;
     for (size_t i = 0; i < radiance.values.size(); ++i) radiance.values[i] *= float(solid) * seen.open.values[i];
-    limit_to_pupil(radiance, picture.pitch, wavelength, to_pupil, pupil.diameter);
     Array2D<float>& amplitude = views.amplitudes.emplace_back(radiance.ny, radiance.nx);
     for (size_t i = 0; i < amplitude.size(); ++i) amplitude.values[i] = std::sqrt(std::max(0.0F, radiance.values[i]));
   }
@@ -109,8 +124,7 @@ ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const
   CounterRandom random(uint64_t(job.encode.seed), 1, uint64_t(update));
   const double distance =
       distances[std::min(distances.size() - 1, size_t(random.uniform() * double(distances.size())))];
-  const double diameter = job.camera.pupil > 0 ? job.camera.pupil : 2e-3;
-  const double z = job.camera.eye.z > 0 ? job.camera.eye.z : 0.3;
+  const double diameter = camera_pupil(job).diameter, z = camera_pupil(job).centre.z;
   const Grid& panel = job.slm.grid;
   // Centres of pupils along one axis of the window, from one edge to the other.
   const auto centres = [&](double side) {
@@ -135,7 +149,7 @@ ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const
 
 ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vector<double>& distances, int update,
                              double wavelength) {
-  const Eyebox box = eyebox_of(job.encode);
+  const Eyebox box = drawn_box(job.encode);
   CounterRandom random(uint64_t(job.encode.seed), 3, uint64_t(update));
   const double distance = distances[plane_of_update(distances.size(), uint64_t(job.encode.seed), update)];
   Vec3 middle = eye.eye;

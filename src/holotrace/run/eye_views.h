@@ -26,20 +26,22 @@ struct EyeLight {
 std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const RenderParams& params,
                                       const Observer& observer = {});
 
-/// A light field in the light of one wavelength. @return pictures of one channel
-LightField light_at(const LightField& light, double wavelength);
+/// A light field in the light of one wavelength, with the blur of a pupil of that diameter at z (limit_to_pupil): its pictures,
+/// of one channel, then hold no detail that the samples of views miss.
+LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z);
 
-/// What pupils should see of light in one channel, focused on a plane at a distance from the panel.
+/// What pupils should see of light_for_pupil, focused on a plane at a distance from the panel.
 ///
-/// The amplitude of a picture is √(L·open·Ω/Ω₀), blurred by the pupil's diffraction (limit_to_pupil): Ω = (D²π/4)/(d + e_z)²
-/// is the solid angle of the pupil, `open` the part of it that the panel lets through, Ω₀ that of the largest part of the
-/// panel that a place of the plane sees.
+/// The amplitude of a picture is √(L·open·Ω/Ω₀): Ω = (D²π/4)/(d + e_z)² is the solid angle of the pupil, `open` the part of it
+/// that the panel lets through, Ω₀ that of the largest part of the panel that a place of the plane sees.
 ViewTargets views_of(const LightField& light, const Job& job, double distance, double wavelength,
                      const std::vector<Pupil>& pupils, const Grid& window, const Grid& picture);
 
-/// Views for an update through pupils side by side over a window as large as the panel, the first one anywhere, at the
-/// distance of the camera's eye (300 mm if it is on the panel), with the camera's pupil (2 mm if it has none). They are focused
-/// on one of the planes.
+/// The pupil of the camera; without one, 2 mm wide, and 300 mm from the panel if it is on the panel.
+Pupil camera_pupil(const Job& job);
+
+/// Views for an update through pupils side by side over a window as large as the panel, the first one anywhere, like
+/// camera_pupil. They are focused on one of the planes.
 ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const std::vector<double>& distances,
                                   int update, double wavelength);
 

@@ -50,8 +50,10 @@ const std::vector<Light>& lights_at(const std::vector<OfWavelength<Light>>& all,
 
 void add_views_everywhere(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths,
                           TargetSet& set) {
+  const Pupil pupil = camera_pupil(job);
   std::vector<OfWavelength<LightField>> lights;
-  for (const double wavelength : wavelengths) lights.push_back({wavelength, {light_at(*targets.light_field, wavelength)}});
+  for (const double wavelength : wavelengths) lights.push_back(
+        {wavelength, {light_for_pupil(*targets.light_field, wavelength, pupil.diameter, pupil.centre.z)}});
   set.draw_views = [job = &job, distances = targets.distances, lights](int update, double wavelength) {
     return draw_views_everywhere(lights_at(lights, wavelength).front(), *job, distances, update, wavelength);
   };
@@ -63,7 +65,8 @@ void add_views_of_eyes(const SceneTargets& targets, const Job& job, const std::v
   for (const double wavelength : wavelengths) {
     lights.push_back({wavelength, {}});
     for (const EyeLight& eye : targets.eyes) {
-      lights.back().lights.push_back({eye.eye, light_at(eye.light, wavelength)});
+      lights.back().lights.push_back(
+          {eye.eye, light_for_pupil(eye.light, wavelength, pupil_of(job.encode), eye.eye.z)});
       for (const double distance : targets.distances)
         set.views.push_back(view_of_eye(lights.back().lights.back(), job, distance, wavelength));
     }

@@ -44,11 +44,11 @@ Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParam
   return pattern;
 }
 
-// The start of a frame for eyes: a wave that converges to one of them, the frame's in turn, with a little noise, which
-// makes frames differ.
+// The start of a frame for eyes: a wave that converges to one of them, the frame's in turn. Noise makes frames differ, and
+// spreads some of the light over the eyebox and beyond (docs/explanation/encoders.md compares its amounts).
 Array2D<std::complex<float>> converging_pattern(const std::vector<Vec3>& eyes, const Field& field,
                                                 const EncodeParams& params, Modulation modulation) {
-  constexpr double noise = 0.05;  // cycles, either way
+  constexpr double noise = 0.35;  // cycles, either way
   const Vec3 eye = eyes[field.frame % eyes.size()];
   const double modulus = modulation == Modulation::complex ? 0.5 : 1;
   Array2D<std::complex<float>> pattern(field.grid.ny, field.grid.nx);
