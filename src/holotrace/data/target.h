@@ -36,7 +36,8 @@ struct TargetSet {
   std::vector<ViewTargets> views{};
   /// Views drawn anew for an update, for one of the wavelengths. Empty: updates use the planes only.
   std::function<ViewTargets(int update, double wavelength)> draw_views{};
-  std::vector<Vec3> eyes{};  ///< places that the light converges to at the start, frame by frame in turn [m]; may be empty
+  std::vector<Vec3>
+      eyes{};  ///< places that the light converges to at the start, frame by frame in turn [m]; may be empty
 };
 
 /// The wavelengths of targets, in their order.

@@ -75,7 +75,8 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
     field.lens_z = eye.z;
     field.distance = distance;
     const Vec2 seen = seen_size(job.slm.grid, part, eye.z, distance);
-    const double pixel = *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + eye.z) / (4 * diameter);
+    const double pixel =
+        *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + eye.z) / (4 * diameter);
     field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
     RenderParams of_eye = params;
     const double area = field.lens.width() * field.lens.height();

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/renders.h"
@@ -52,8 +50,8 @@ void add_views_everywhere(const SceneTargets& targets, const Job& job, const std
                           TargetSet& set) {
   const Pupil pupil = camera_pupil(job);
   std::vector<OfWavelength<LightField>> lights;
-  for (const double wavelength : wavelengths) lights.push_back(
-        {wavelength, {light_for_pupil(*targets.light_field, wavelength, pupil.diameter, pupil.centre.z)}});
+  for (const double wavelength : wavelengths)
+    lights.push_back({wavelength, {light_for_pupil(*targets.light_field, wavelength, pupil.diameter, pupil.centre.z)}});
   set.draw_views = [job = &job, distances = targets.distances, lights](int update, double wavelength) {
     return draw_views_everywhere(lights_at(lights, wavelength).front(), *job, distances, update, wavelength);
   };
@@ -85,15 +83,30 @@ bool aims_at_scene(const Job& job) {
   return job.encode.method == Encoding::sgd && job.encode.target != EncodeTarget::field;
 }
 
+bool aims_at_eyes(const Job& job) {
+  return aims_at_scene(job) && !job.encode.eye.empty() && !eyebox_of(job.encode).is_all;
+}
+
+Job with_eyes(Job job) {
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  if (eyes.empty()) return job;
+  if (job.encode.pupil == 0) job.encode.pupil = job.camera.pupil;
+  if (job.camera.pupil == 0) job.camera.pupil = pupil_of(job.encode);
+  if (job.camera.eye == Vec3{}) job.camera.eye = eyes.front();
+  if (eyebox_of(job.encode).is_all) job.encode.target = EncodeTarget::light_field;
+  return job;
+}
+
 SceneTargets trace_targets(const Job& job, const Observer& observer) {
   SceneTargets targets;
   targets.distances = target_distances_of(job);
+  warn_of_sparse_planes(job, observer);
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
     for (const double distance : distances)
-      require(distance > 0, "expected distances above 0 m for target planes and views, got {}", format_length(distance));
+      require(distance > 0, "expected distances above 0 m for target planes and views, got {}",
+              format_length(distance));
   const RenderParams params = light_of_waves(job, job.render);
-  const bool is_for_eyes = !job.encode.eye.empty() && !eyebox_of(job.encode).is_all;
-  if (is_for_eyes) {
+  if (aims_at_eyes(job)) {
     targets.eyes = trace_eye_light(job, targets.distances[targets.distances.size() / 2], params, observer);
   } else {
     ScenePlanes planes{targets.distances, {}};

@@ -16,6 +16,14 @@ namespace holotrace {
 /// Whether the holograms of a job aim at the path-traced light of its scene, and not at the field of its waves.
 bool aims_at_scene(const Job& job);
 
+/// Whether the light is for the pupils of eyes alone: the job gives eyes, and a box about each.
+bool aims_at_eyes(const Job& job);
+
+/// The job whose camera looks as its eyes do, where it says nothing else; the pupil of eyes is that of the camera, if only that
+/// is given. An eyebox of "all" places is the target light-field.
+/// @throws Error  as eyes_of and eyebox_of do
+Job with_eyes(Job job);
+
 /// The path-traced light of a scene that its holograms are to show, from one tracing.
 struct SceneTargets {
   FocalStack planes;                        ///< the target planes; none for eyes

@@ -1,5 +1,7 @@
 #include "holotrace/run/target_planes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,8 +59,7 @@ std::vector<Span> merged(std::vector<Span> spans) {
 
 Aperture aperture_of(const Job& job) {
   const std::vector<Vec3> eyes = eyes_of(job.encode);
-  if (eyes.empty() || eyebox_of(job.encode).is_all)
-    return {std::max(job.slm.grid.width(), job.slm.grid.height()), 0};
+  if (eyes.empty() || eyebox_of(job.encode).is_all) return {std::max(job.slm.grid.width(), job.slm.grid.height()), 0};
   return {pupil_of(job.encode), eyes.front().z};
 }
 
@@ -77,22 +78,19 @@ std::vector<double> target_distances_of(const Job& job) {
       "target_distances",
       format_length(job.slm.grid.width()));
   const double spacing = depth_of_focus_of(job), z = aperture_of(job).z;
-  // A span may not reach the panel: at most twice as near as its range.
-  const auto nearest = [&](const DepthRange& range) {
-    return std::max(range.nearest / 2, 1 / (1 / (range.nearest + z) + spacing) - z);
-  };
+  const double beyond = z > 0 ? 0 : spacing;
+  // A span may not reach the panel, nor infinity: at most twice as near or as far as its range.
   std::vector<Span> spans;
   for (const DepthRange& range : ranges)
-    spans.push_back({std::max(1 / (range.farthest + z) - spacing, 0.5 / (range.farthest + z)), 1 / (nearest(range) + z)});
+    spans.push_back({std::max(1 / (range.farthest + z) - beyond, 0.5 / (range.farthest + z)),
+                     std::min(1 / (range.nearest + z) + beyond, 1 / (range.nearest / 2 + z))});
   spans = merged(spans);
   const int most = job.encode.planes > 0 ? job.encode.planes : most_target_planes;
   if (int(spans.size()) > most) spans = {{spans.back().far, spans.front().near}};
   std::vector<double> distances;
   for (const double reciprocal : planes_through(spans, spacing, most)) distances.push_back(1 / reciprocal - z);
   for (const double seen : job.camera.distances) {
-    const auto is_there = [&](double plane) {
-      return std::abs(1 / (plane + z) - 1 / (seen + z)) < spacing / 10;
-    };
+    const auto is_there = [&](double plane) { return std::abs(1 / (plane + z) - 1 / (seen + z)) < spacing / 10; };
     const auto found = std::find_if(distances.begin(), distances.end(), is_there);
     if (found != distances.end())
       *found = seen;
@@ -101,6 +99,26 @@ std::vector<double> target_distances_of(const Job& job) {
   }
   std::sort(distances.begin(), distances.end());
   return distances;
+}
+
+void warn_of_sparse_planes(const Job& job, const Observer& observer) {
+  std::vector<double> distances = job.encode.target_distances;
+  std::sort(distances.begin(), distances.end());
+  const double spacing = depth_of_focus_of(job), z = aperture_of(job).z;
+  double widest = 0;
+  size_t at = 0;
+  for (size_t i = 1; i < distances.size(); ++i) {
+    const double apart = 1 / (distances[i - 1] + z) - 1 / (distances[i] + z);
+    if (apart > widest) at = i;
+    widest = std::max(widest, apart);
+  }
+  if (widest <= 1.5 * spacing) return;
+  const double middle = 2 / (1 / (distances[at - 1] + z) + 1 / (distances[at] + z));
+  observer.warn(fmt::format(
+      "the target planes at {} and {} are {:.1f} depths of focus ({}) apart: the picture between them has speckle; leave "
+      "target_distances out, or give planes that are nearer to each other",
+      format_length(distances[at - 1]), format_length(distances[at]), widest / spacing,
+      format_length(spacing * middle * middle)));
 }
 
 }  // namespace holotrace

@@ -95,8 +95,8 @@ class StackTracing {
         const auto ray = rays_.ray(plane, {column + place.x, row + place.y}, lens_place);
         if (!ray || numbers.one() >= rays_.keep_probability(plane, *ray, candidates)) continue;
         const Vec3 direction = normalize({ray->slope.x, ray->slope.y, -1});
-        const Vec3 light = radiance_along(scene_, {{ray->from.x, ray->from.y, lens_z_}, direction}, params_.has_background,
-                                          numbers, sums, counts);
+        const Vec3 light = radiance_along(scene_, {{ray->from.x, ray->from.y, lens_z_}, direction},
+                                          params_.has_background, numbers, sums, counts);
         found.push_back({{float(ray->from.x), float(ray->from.y)},
                          {float(ray->slope.x), float(ray->slope.y)},
                          float(rays_.weight(*ray)),
@@ -203,8 +203,8 @@ LightField light_field_of(Target&& target, const Accelerator& scene, const Grid&
   for (int cell = 0; cell < field.columns * field.rows; ++cell) {
     const double left = field.left() + cell % field.columns * field.cell_width();
     const double high = field.top() - cell / field.columns * field.cell_height();
-    const PanelPart part{left,   left + field.cell_width(), high - field.cell_height(), high,
-                         lens.z, lens.tangent,              panel,                      wavelength};
+    const PanelPart part{
+        left, left + field.cell_width(), high - field.cell_height(), high, lens.z, lens.tangent, panel, wavelength};
     draw_points(scene, part, target.plane, field.views[size_t(cell)]);
   }
   return field;
@@ -231,8 +231,9 @@ SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavel
 
   SceneViews views;
   views.stack = {panel, planes.distances, std::vector<Image>(planes.distances.size())};
-  const PanelPart whole{panel.x(-0.5), panel.x(panel.nx - 0.5), panel.y(panel.ny - 0.5), panel.y(-0.5), 0,
-                        lens.tangent,  panel,                   wavelength};
+  const PanelPart whole{
+      panel.x(-0.5), panel.x(panel.nx - 0.5), panel.y(panel.ny - 0.5), panel.y(-0.5), 0, lens.tangent, panel,
+      wavelength};
   for (size_t t = 0; t < targets.size(); ++t) {
     Target& target = targets[t];
     if (places[t] < 0) {

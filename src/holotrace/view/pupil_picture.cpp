@@ -29,7 +29,7 @@ struct AxisCells {
 struct Axis {
   double lens_low, cell;  // border of the first cell, and size of a cell [m]
   int cells;
-  double panel_low, panel_high;  // sides of the panel [m]
+  double panel_low, panel_high;   // sides of the panel [m]
   double view_first, view_pitch;  // centre of the first pixel of the cells' pictures, and their pitch [m]
   double eye;                     // centre of the pupil [m]
 };
@@ -182,7 +182,8 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
 
-  require(pupil.centre.z >= light_field.lens_z, "expected a pupil on the lens of the light field or in front of it, got one behind it");
+  require(pupil.centre.z >= light_field.lens_z,
+          "expected a pupil on the lens of the light field or in front of it, got one behind it");
 
   const double from_lens = distance + light_field.lens_z, share = from_lens / (distance + pupil.centre.z);
   const Grid &panel = light_field.panel, &view = light_field.plane;
@@ -192,10 +193,22 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
                           pupil.diameter / 2 * share,
                           box_radius(from_lens, wavelength, panel.pitch),
                           from_lens / distance};
-  const Axis across{light_field.left(), light_field.cell_width(), light_field.columns, panel.x(-0.5),
-                    panel.x(panel.nx - 0.5), view.x(0), view.pitch, pupil.centre.x};
-  const Axis down{-light_field.top(), light_field.cell_height(), light_field.rows, -panel.y(-0.5),
-                  -panel.y(panel.ny - 0.5), -view.y(0), view.pitch, -pupil.centre.y};
+  const Axis across{light_field.left(),
+                    light_field.cell_width(),
+                    light_field.columns,
+                    panel.x(-0.5),
+                    panel.x(panel.nx - 0.5),
+                    view.x(0),
+                    view.pitch,
+                    pupil.centre.x};
+  const Axis down{-light_field.top(),
+                  light_field.cell_height(),
+                  light_field.rows,
+                  -panel.y(-0.5),
+                  -panel.y(panel.ny - 0.5),
+                  -view.y(0),
+                  view.pitch,
+                  -pupil.centre.y};
   std::vector<AxisCells> columns;
   for (int column = 0; column < grid.nx; ++column) columns.push_back(touched_cells(across, geometry, grid.x(column)));
 

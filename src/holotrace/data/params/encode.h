@@ -155,9 +155,10 @@ void describe(Visitor& v, EncodeParams& p) {
             "sgd, scenes: position x y z of the eye that the light is for, in front of the panel (z above 0 m); three "
             "lengths for each of several eyes; empty: light for the whole space before the panel");
   v.length("pupil", p.pupil, range::not_negative, "diameter of the eye's pupil; 0 m: the camera's, or 3 mm");
-  v.texts("eyebox", p.eyebox,
-          "places of the pupil's middle around the eye that see the scene: diameter (\"2 mm\"), width and height (\"6 2 "
-          "mm\"), or \"all\" places before the panel; empty: 2 mm");
+  v.texts(
+      "eyebox", p.eyebox,
+      "places of the pupil's middle around the eye that see the scene: diameter (\"2 mm\"), width and height (\"6 2 "
+      "mm\"), or \"all\" places before the panel; empty: 2 mm");
   v.count("planes", p.planes, range::not_negative,
           "targets render, light-field: largest number of planes through the scene, if target_distances gives none; 0: "
           "16, or as quality says");

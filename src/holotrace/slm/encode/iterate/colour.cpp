@@ -64,8 +64,7 @@ void Colour::judge() {
     all.square += one.square;
     light_ += one.square * pixels_of_sample / (double(turns()) * double(pixels_.pixels()));
   };
-  for (size_t k = 0; k < targets_.size(); ++k)
-    add_sums(frames_light_->plane_sums(k, SampleGroup::all, false), 1);
+  for (size_t k = 0; k < targets_.size(); ++k) add_sums(frames_light_->plane_sums(k, SampleGroup::all, false), 1);
   for (const ViewTargets* views : views_)
     add_sums(frames_light_->view_sums(*views, false), std::pow(views->picture.pitch / pixels_.pitch, 2));
   fit_scale(all, 0);

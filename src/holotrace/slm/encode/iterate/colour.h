@@ -31,7 +31,7 @@ class Colour {
   double power() const { return power_; }          ///< light of the targets
   double peak() const { return peak_; }            ///< largest amplitude that is wanted
   double weight() const { return weight_; }        ///< sum of the weights of all samples
-  double scale() const { return scale_; }  ///< the scale s of the light that fits the targets
+  double scale() const { return scale_; }          ///< the scale s of the light that fits the targets
 
   /// Sum of the errors of all planes, each from its last turn. Those that had none yet count as much, relative to their light,
   /// as those that had one; before the first turn, it is their light.

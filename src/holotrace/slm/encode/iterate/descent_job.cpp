@@ -101,11 +101,10 @@ IterationState descent_job(const TargetSet& targets, const Slm& slm, const Encod
     add(f, frame.modulus_level);
   }
   return {.job = f.value(),
-          .description =
-              fmt::format("{} frame(s) of {} × {} pixels and {} levels at {}, {} target plane(s), {} iterations",
-                          frames.size(), slm.grid.nx, slm.grid.ny, frames.front().levels,
-                          format_length(frames.front().wavelength), targets.planes.size() + targets.views.size(),
-                          iterations_of(params))};
+          .description = fmt::format(
+              "{} frame(s) of {} × {} pixels and {} levels at {}, {} target plane(s), {} iterations", frames.size(),
+              slm.grid.nx, slm.grid.ny, frames.front().levels, format_length(frames.front().wavelength),
+              targets.planes.size() + targets.views.size(), iterations_of(params))};
 }
 
 }  // namespace holotrace

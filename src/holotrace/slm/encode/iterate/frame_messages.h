@@ -40,7 +40,7 @@ enum class FrameOrder : int32_t {
   leave,
   plane_sums,
   add_gradient,
-  view_sums,  ///< the views follow in a message of their own
+  view_sums,              ///< the views follow in a message of their own
   add_gradient_of_views,  ///< of the same views
   write,                  ///< levels come back, a message for each array
   state,                  ///< arrays come back, one in a message

@@ -50,7 +50,7 @@ class ExchangeOfOthers : public MeanExchange {
 struct ColourOfOthers {
   DrivenPanel panel;
   std::deque<TargetPlane> planes{};  // they stay where they are
-  ViewTargets views{};  // the last ones
+  ViewTargets views{};               // the last ones
   std::unique_ptr<ColourLight> light{};
 };
 

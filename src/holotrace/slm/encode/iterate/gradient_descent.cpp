@@ -55,7 +55,9 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
 std::vector<TargetPlane> planes_to_reach(const TargetSet& targets) {
   if (!targets.planes.empty()) return targets.planes;
   std::vector<TargetPlane> planes;
-  for (const double wavelength : wavelengths_of(targets)) planes.push_back({.z = targets.views.front().pupils.front().centre.z, .wavelength = wavelength, .amplitude = {}, .weight = {}});
+  for (const double wavelength : wavelengths_of(targets))
+    planes.push_back(
+        {.z = targets.views.front().pupils.front().centre.z, .wavelength = wavelength, .amplitude = {}, .weight = {}});
   return planes;
 }
 
@@ -128,7 +130,8 @@ void descend_on(const IterationPlace& place, const Processes& processes, const T
   SharedFrames* shared = nullptr;
   const int here = processes.links ? std::min(processes.links->here().count, int(frames.size())) : 1;
   const auto own_arrays = [&](const std::vector<Hologram>& own, const OtherFrames& others) {
-    if (place.devices.empty()) require_memory_for_descent(planes_to_reach(targets).size(), setup.slm, setup.params, own, here);
+    if (place.devices.empty())
+      require_memory_for_descent(planes_to_reach(targets).size(), setup.slm, setup.params, own, here);
     return arrays_on(place, setup, own, others);
   };
   const auto arrays = [&]() -> std::unique_ptr<FrameArrays> {

@@ -8,7 +8,8 @@
 namespace holotrace {
 
 void ProcessorLight::add(const TargetPlane& target) {
-  ways_.push_back({&target, TargetPropagation(lit_.slm, lit_.wavelength, target.z, optics_of(lit_.panel, lit_.params))});
+  ways_.push_back(
+      {&target, TargetPropagation(lit_.slm, lit_.wavelength, target.z, optics_of(lit_.panel, lit_.params))});
 }
 
 void ProcessorLight::leave(const PanelDetail& detail) {

@@ -68,8 +68,8 @@ class ProcessorLight : public ColourLight {
   std::vector<Drive>& slopes_;
   OtherFrames others_;
   std::vector<TargetWay> ways_;
-  std::vector<Field> u_;                    // light that leaves the panel, of each frame
-  PanelDetail detail_;                      // of that light
+  std::vector<Field> u_;               // light that leaves the panel, of each frame
+  PanelDetail detail_;                 // of that light
   std::map<size_t, PlaneLight> kept_;  // of planes whose gradient is not added yet
   ViewLight kept_views_;
   PupilPropagations pupils_;

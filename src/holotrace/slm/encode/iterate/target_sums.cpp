@@ -14,7 +14,9 @@ using descent_kernel::spread_along;
 
 namespace {
 
-const float* weights_of(const Array2D<float>& weight, int row) { return weight.size() == 0 ? nullptr : weight.row(row); }
+const float* weights_of(const Array2D<float>& weight, int row) {
+  return weight.size() == 0 ? nullptr : weight.row(row);
+}
 
 // Σ over rows of `work(row)`, in their order.
 template <class Work>
