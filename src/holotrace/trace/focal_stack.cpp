@@ -180,11 +180,13 @@ std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, s
 }  // namespace
 
 SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
-                             const RenderParams& params, const Observer& observer) {
+                             const RenderParams& asked, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
-  check_ranges(params);
+  check_ranges(asked);
+  RenderParams params = asked;
+  params.paths = paths_per_pixel(asked);
   check_planes(planes, panel);
 
   const double tangent = acceptance_tangent(wavelength, panel.pitch);
