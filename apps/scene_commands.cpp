@@ -106,6 +106,14 @@ std::shared_ptr<void> defer_interrupts() {
   return std::shared_ptr<DeferInterrupts>(new DeferInterrupts, end);
 }
 
+// The light paths of pictures are those of [render]: flags of [trace] that describe paths count for them.
+void follow_paths_as_traced(const Flags& given, Job& job) {
+  if (given.has("paths")) job.render.paths = job.trace.paths;
+  if (given.has("max_depth")) job.render.max_depth = job.trace.max_depth;
+  if (given.has("roulette_depth")) job.render.roulette_depth = job.trace.roulette_depth;
+  if (given.has("clamp")) job.render.clamp = job.trace.clamp;
+}
+
 void add_run(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
@@ -157,6 +165,7 @@ void add_run(Command& app, const GlobalFlags& global) {
     if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
     if (o->seed) job.trace.seed = job.render.seed = job.encode.seed = *o->seed;
     job = choose_missing(std::move(job));
+    if (aims_at_scene(job)) follow_paths_as_traced(o->trace_flags, job);
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made in vain
     const Checkpoints checkpoints(o->checkpoint);

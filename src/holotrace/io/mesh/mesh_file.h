@@ -13,6 +13,7 @@ struct LoadedModel {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<std::string> warnings;  ///< features that the file asks for and that are not shown
+  bool is_of_points = false;          ///< its surfaces are those around the points of a file without faces
 };
 
 /// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb, and .stl, .off, .dae, .3ds and .fbx.

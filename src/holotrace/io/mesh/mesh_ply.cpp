@@ -127,7 +127,8 @@ LoadedModel load_ply_mesh(const std::string& path) {
   const bool has_waves = vertices.find("amplitude") && vertices.find("phase");
   require(!mesh.triangles.empty() || !has_waves, "{}: expected a mesh with triangles, got {}", path, kind_of_file(path));
   read_colours(vertices, mesh, model.warnings);
-  if (mesh.triangles.empty()) add_point_solids(vertices, std::vector<Vec3>(mesh.colours), mesh, model.warnings);
+  model.is_of_points = mesh.triangles.empty();
+  if (model.is_of_points) add_point_solids(vertices, std::vector<Vec3>(mesh.colours), mesh, model.warnings);
   if (!mesh.colours.empty()) model.materials[0] = DiffuseMaterial{{1, 1, 1}};  // vertex colours only
   model.meshes.push_back(std::move(mesh));
   return model;

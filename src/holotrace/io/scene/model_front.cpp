@@ -46,10 +46,13 @@ struct NormalPicture {
     double sum = 0;
     const auto add = [&](int row, int column, int next_row, int next_column) {
       const bool is_here = std::isfinite(depth(row, column)), is_next = std::isfinite(depth(next_row, next_column));
+      if (!is_here && !is_next) return;
+      const double nearest = std::max(depth(row, column), depth(next_row, next_column));
+      const double weight = 1 + nearest / (side / 2.0);  // 2 at the nearest place that a model can have, 0 at the farthest
       if (is_here != is_next)
-        sum += 1;
-      else if (is_here)
-        sum += std::min(1.0, length(normal(row, column) - normal(next_row, next_column)));
+        sum += weight;
+      else
+        sum += weight * std::min(1.0, length(normal(row, column) - normal(next_row, next_column)));
     };
     for (int row = 0; row + 1 < side; ++row)
       for (int column = 0; column + 1 < side; ++column) {
@@ -74,7 +77,7 @@ double detail_of(const std::vector<Mesh>& meshes, const Frame& view, Vec3 middle
 
 }  // namespace
 
-int quarter_that_shows_most(const std::vector<Mesh>& meshes, const Frame& view) {
+double turn_that_shows_most(const std::vector<Mesh>& meshes, const std::vector<double>& turns, const Frame& view) {
   Vec3 low = meshes.front().positions.front(), high = low;
   for (const Mesh& mesh : meshes)
     for (const Vec3 p : mesh.positions) {
@@ -82,16 +85,14 @@ int quarter_that_shows_most(const std::vector<Mesh>& meshes, const Frame& view) 
       high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
   const double scale = side / length(high - low);
-  std::array<double, 4> details{};
-  parallel_for(0, 4, [&](int64_t quarter) {
-    details[size_t(quarter)] =
-        detail_of(meshes, compose(view, rotation_y(double(quarter) * pi / 2)), (low + high) * 0.5, scale);
+  std::vector<double> details(turns.size());
+  parallel_for(0, int64_t(turns.size()), [&](int64_t i) {
+    details[size_t(i)] = detail_of(meshes, compose(view, rotation_y(turns[size_t(i)])), (low + high) * 0.5, scale);
   });
-  // Another quarter than the first one must show more than rounding can.
-  int best = 0;
-  for (int quarter = 1; quarter < 4; ++quarter)
-    if (details[size_t(quarter)] > 1.01 * details[size_t(best)]) best = quarter;
-  return best;
+  size_t best = 0;
+  for (size_t i = 1; i < turns.size(); ++i)
+    if (details[i] > 1.01 * details[best]) best = i;
+  return turns[best];
 }
 
 }  // namespace holotrace

@@ -22,7 +22,7 @@ namespace {
 using namespace literals;
 
 constexpr double depth_in_widths = 300.0 / 15.36, elevation = 18_deg;
-constexpr double floor_seen = 1.1, floor_end = 1.45;  // radii, in those of the model
+constexpr double floor_full = 0.7, floor_seen = 1.1, floor_end = 1.6;  // radii, in those of the model
 
 struct ModelBounds {
   Vec3 low, high;
@@ -70,9 +70,10 @@ Frame turns_of(const std::vector<std::string>& rotation) {
 
 // A view from the right of the front, which is +z, or where the model shows most.
 Frame view_of_front(const std::vector<Mesh>& meshes, bool has_front) {
-  const Frame aside = rotation_y(-30_deg);
-  const int quarters = has_front ? 0 : quarter_that_shows_most(meshes, compose(rotation_x(elevation), aside));
-  return compose(aside, rotation_y(quarters * pi / 2));
+  std::vector<double> turns{-30_deg};
+  if (!has_front)
+    for (const double turn : {30_deg, 60_deg, 120_deg, 150_deg, 210_deg, 240_deg, 300_deg}) turns.push_back(turn);
+  return rotation_y(turn_that_shows_most(meshes, turns, rotation_x(elevation)));
 }
 
 void move(const Frame& frame, std::vector<Mesh>& meshes) {
@@ -175,7 +176,10 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   require(!model.meshes.empty(), "{}: expected a model with triangles or points, got none", path);
   const std::string extension = extension_of(path);
   const bool has_front = extension == ".glb" || extension == ".gltf";
-  move(params.rotation.empty() ? view_of_front(model.meshes, has_front) : turns_of(params.rotation), model.meshes);
+  if (!params.rotation.empty())
+    move(turns_of(params.rotation), model.meshes);
+  else if (!model.is_of_points)  // many scans show one side, +z
+    move(view_of_front(model.meshes, has_front), model.meshes);
 
   // On the floor, which is y = 0 here, about the axis of the model.
   std::vector<Vec3> places = places_of(model.meshes);
@@ -190,7 +194,7 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   Job job;
   job.scene.materials = std::move(model.materials);
   if (has_floor) {
-    Mesh floor = fading_disc(floor_seen * radius, floor_end * radius);
+    Mesh floor = fading_disc(floor_full * radius, floor_end * radius);
     floor.material = int(job.scene.materials.size());
     job.scene.materials.push_back(DiffuseMaterial{{0.5, 0.5, 0.5}});
     model.meshes.push_back(std::move(floor));
@@ -211,6 +215,7 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   job.scene.lights = {lamp(middle, Vec3{-0.40, 0.55, 0.73} * reach, 0.4 * reach, 0.85),
                       lamp(middle, Vec3{0.80, 0.20, 0.56} * reach, 0.7 * reach, 0.2)};
   job.scene.background = {0.15, 0.15, 0.15};
+  job.render.has_background = false;  // it lights the model, which stands before black
   job.slm = slm;
   job.scene.meshes = std::move(model.meshes);
   job.warnings = std::move(model.warnings);

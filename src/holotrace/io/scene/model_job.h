@@ -12,10 +12,10 @@ namespace holotrace {
 ///
 /// **Place.** The model stands 19.5 panel widths behind the panel (300 mm for `pluto`), where the panel resolves about
 /// as much as it has pixels. It is upright, turned (`rotation`), and seen from 18° above. Without a rotation it is turned
-/// by 30° from its front: +z in glTF, else the quarter that shows most (model_front.h). Its bounds, with the part of
+/// by 30° from its front: +z in glTF, else one of eight turns, the one that shows most (model_front.h). Its bounds, with the part of
 /// the floor around it, take `fit` of the view's width or height.
 ///
-/// **Floor.** A round, diffuse, grey floor under its lowest point. Its albedo falls to 0 at 1.45 times the radius of the
+/// **Floor.** A round, diffuse, grey floor under its lowest point. Its albedo falls to 0 at 1.6 times the radius of the
 /// model, so that it has no edge.
 ///
 /// **Light.** Two square lamps that face the model: a key light above left in front of it, and a weaker, larger fill light
