@@ -24,9 +24,9 @@
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run/save_views.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
-#include "holotrace/run/choose.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
@@ -55,9 +55,10 @@ struct ModelFlags {
 
   void add(Command& command) {
     command
-        .add_option("--slm", slm,
-                    "panel: preset name, or a file with [slm]; models are placed to fill its view [the scene's; models: "
-                    "pluto]")
+        .add_option(
+            "--slm", slm,
+            "panel: preset name, or a file with [slm]; models are placed to fill its view [the scene's; models: "
+            "pluto]")
         ->type_name("NAME|SCENE.toml");
     flags.add(command, ModelParams(), {}, "Models (files of meshes or points in place of a scene)");
   }
@@ -122,7 +123,7 @@ void add_run(Command& app, const GlobalFlags& global) {
     bool is_estimated = false;
     ModelFlags model;
     Flags flags, render_flags, encode_flags, trace_flags;  // separate sets, because some names occur twice
-    Flags synthesize_flags{{{"method", "synthesis"}}};       // --method is that of [encode]
+    Flags synthesize_flags{{{"method", "synthesis"}}};     // --method is that of [encode]
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);

@@ -6,8 +6,8 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/run/save_run.h"
-#include "holotrace/run/pipeline.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/pipeline.h"
 #include "results.h"
 #include "watch.h"
 

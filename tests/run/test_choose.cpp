@@ -67,8 +67,13 @@ TEST(Choose, AParameterOfWavesAsksForWaves) {
       {"trace.separate_path_groups", [](Job& job) { job.trace.separate_path_groups = true; }},
       {"synthesize.method", [](Job& job) { job.synthesize.method = SynthesisMethod::triangles; }},
       {"synthesize.tolerance", [](Job& job) { job.synthesize.tolerance = 1e-4; }},
-      {"lasers", [](Job& job) { job.scene.lights = {PointLight{{}, {1, 1, 1}, true}}; }},
-      {"the panel itself", [](Job& job) { job.camera.distances = {0.3, 0}; }}};
+      {"lasers",
+       [](Job& job) {
+         job.scene.lights = {PointLight{{}, {1, 1, 1}, true}};
+       }},
+      {"the panel itself", [](Job& job) {
+         job.camera.distances = {0.3, 0};
+       }}};
   for (const auto& [name, change] : cases) {
     SCOPED_TRACE(name);
     Job job = empty_job();

@@ -69,9 +69,8 @@ bool has_colours(const Scene& scene) {
                return std::visit(SurfaceColour(), m.surface) || is_coloured(m.emission) ||
                       is_coloured(m.emission_texture);
              }) ||
-         any(scene.meshes, [&](const Mesh& mesh) {
-           return any(mesh.colours, [](Vec3 colour) { return is_coloured(colour); });
-         });
+         any(scene.meshes,
+             [&](const Mesh& mesh) { return any(mesh.colours, [](Vec3 colour) { return is_coloured(colour); }); });
 }
 
 std::vector<double> wavelengths_for(const Scene& scene) {

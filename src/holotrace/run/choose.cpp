@@ -40,15 +40,16 @@ template <class Params>
 void add_changed(const char* table, const Params& params, const std::vector<std::string>& shared,
                  std::vector<std::string>& names) {
   for (const std::string& name : changed_parameters(params))
-    if (std::find(shared.begin(), shared.end(), name) == shared.end()) names.push_back(fmt::format("{}.{}", table, name));
+    if (std::find(shared.begin(), shared.end(), name) == shared.end())
+      names.push_back(fmt::format("{}.{}", table, name));
 }
 
 // The parameters of a job that only waves have.
 std::vector<std::string> parameters_of_waves(const Job& job) {
   std::vector<std::string> names;
   add_changed("trace", job.trace,
-              {"common_cone", "paths", "max_depth", "roulette_depth", "shadow_rays", "clamp", "path_expressions", "frames",
-               "accelerator", "seed"},
+              {"common_cone", "paths", "max_depth", "roulette_depth", "shadow_rays", "clamp", "path_expressions",
+               "frames", "accelerator", "seed"},
               names);
   add_changed("synthesize", job.synthesize, {"device"}, names);
   return names;
@@ -60,7 +61,8 @@ std::string reason_for_waves(const Job& job) {
   if (!names.empty()) return fmt::format("{} is for waves", fmt::join(names, ", "));
   if (std::any_of(job.scene.lights.begin(), job.scene.lights.end(), is_laser)) return "the light of lasers interferes";
   const std::vector<double>& distances = job.camera.distances;
-  if (std::find(distances.begin(), distances.end(), 0.0) != distances.end()) return "the camera looks at the panel itself";
+  if (std::find(distances.begin(), distances.end(), 0.0) != distances.end())
+    return "the camera looks at the panel itself";
   return "";
 }
 
@@ -185,11 +187,12 @@ class Chooser {
     const Grid& panel = job_.slm.grid;
     const double wavelength = view_wavelength(job_.wavelengths, trace.has_common_cone);
     const Vec2 half = half_tangents_of_views(job_);
-    const bool has_eye = job_.camera.eye.z > 0 || job_.camera.sweep == Sweep::parallax || job_.render.eye_separation > 0;
+    const bool has_eye =
+        job_.camera.eye.z > 0 || job_.camera.sweep == Sweep::parallax || job_.render.eye_separation > 0;
     const double accepted = acceptance_tangent(wavelength, panel.pitch), seen = std::max(half.x, half.y);
     if (trace.field_of_view == 0 && !has_eye && seen > 0 && seen < accepted)
-      set("trace.field_of_view", trace.field_of_view, std::atan(seen), fmt::format("{:.4g} deg", std::atan(seen) * 180 / pi),
-          "the window of the view");
+      set("trace.field_of_view", trace.field_of_view, std::atan(seen),
+          fmt::format("{:.4g} deg", std::atan(seen) * 180 / pi), "the window of the view");
     const double tangent = trace.field_of_view > 0 ? std::tan(trace.field_of_view) : std::min(accepted, 1.0);
     // Waves a resolution λd/w apart over 2·tangent·d.
     const auto count = [&](double side) { return std::max(double(default_raster), 2 * tangent * side / wavelength); };

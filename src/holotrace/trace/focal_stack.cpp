@@ -108,10 +108,10 @@ PathCounts fill_targets(const PathScene& scene, const Grid& panel, double tangen
                         std::vector<Target>& targets, const Observer& observer) {
   std::vector<PixelPlane> planes;
   for (const Target& target : targets) planes.push_back(target.plane);
-  const PanelRays rays(panel, tangent, planes, params.paths);
+  const PanelRays rays(panel, tangent, planes, paths_per_pixel(params));
   const StackTracing tracing(scene, rays, params);
   constexpr int64_t pixels_per_block = 64, rays_per_band = int64_t(1) << 21;
-  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * params.paths));
+  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * paths_per_pixel(params)));
   PathCounts total;
   for (size_t p = 0; p < planes.size(); ++p) {
     const Grid& grid = planes[p].grid;
@@ -180,13 +180,11 @@ std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, s
 }  // namespace
 
 SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
-                             const RenderParams& asked, const Observer& observer) {
+                             const RenderParams& params, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
-  check_ranges(asked);
-  RenderParams params = asked;
-  params.paths = paths_per_pixel(asked);
+  check_ranges(params);
   check_planes(planes, panel);
 
   const double tangent = acceptance_tangent(wavelength, panel.pitch);

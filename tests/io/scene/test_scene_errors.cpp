@@ -153,7 +153,7 @@ TEST(SceneFileErrors, ObjectsInFrontOfThePanelAreNamed) {
 
 TEST(SceneFileErrors, AnEmptySceneIsRefused) {
   EXPECT_EQ(error_with(""), "1:1: expected at least one object in the scene, or a visible rectangle light, got none");
-  EXPECT_EQ(scene_error(""), "1:1: expected the key \"wavelength\" in the scene file, which is missing");
+  EXPECT_EQ(scene_error(""), "1:1: expected at least one object in the scene, or a visible rectangle light, got none");
 }
 
 TEST(SceneFileErrors, WhatShapesAndFilesRefuseIsPlaced) {

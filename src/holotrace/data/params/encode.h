@@ -96,7 +96,7 @@ struct EncodeParams {
   double stop = 0;
   EncodeTarget target = EncodeTarget::automatic;  ///< what iterations aim at
   Quality quality = Quality::automatic;           ///< scenes: chooses frames, planes, iterations and paths not given
-  std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
+  std::vector<double> target_distances{};  ///< iterations: distances of the target planes from the panel [m], ≥ 0
   int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 16, or by quality
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
@@ -140,11 +140,10 @@ void describe(Visitor& v, EncodeParams& p) {
       "stop", p.stop, range::fraction,
       "half width of the camera's stop as a fraction of 1/2p, for double-phase, error-diffusion and iterations; 1: "
       "no stop; 0: 0.4 for double-phase and error-diffusion, else 1");
-  v.choice(
-      "target", p.target, target_names,
-      "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
-      "light in planes through the scene (render); that light and the views through pupils (light-field); auto: "
-      "light-field for a camera with a pupil in front of the panel, else render");
+  v.choice("target", p.target, target_names,
+           "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
+           "light in planes through the scene (render); that light and the views through pupils (light-field); auto: "
+           "light-field for a camera with a pupil in front of the panel, else render");
   v.choice(
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "

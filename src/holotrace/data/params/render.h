@@ -47,7 +47,8 @@ inline int paths_per_pixel(const RenderParams& params) { return params.paths > 0
 
 template <class Visitor>
 void describe(Visitor& v, RenderParams& p) {
-  v.count("columns", p.columns, range::not_negative, "width in pixels; 0: in the shape of the sensor, or square if field_of_view is given");
+  v.count("columns", p.columns, range::not_negative,
+          "width in pixels; 0: in the shape of the sensor, or square if field_of_view is given");
   v.count("rows", p.rows, range::at_least(1), "height in pixels");
   v.angle("field_of_view", p.field_of_view, range::half_angle,
           "half angle of view over the height; 0 deg: the window of the views");

@@ -86,8 +86,9 @@ void describe(Visitor& v, TraceParams& p) {
            "gather: directions of the rays: those that the panel accepts, or the whole hemisphere");
   v.count("tile_columns", p.tile_columns, range::at_least(1), "tiled: number of tiles across the panel");
   v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: number of tiles down the panel");
-  v.angle("field_of_view", p.field_of_view, range::half_angle,
-          "half angle of the raster; 0 deg: the window of the views if columns and rows are 0, else the panel's acceptance "
+  v.angle(
+      "field_of_view", p.field_of_view, range::half_angle,
+      "half angle of the raster; 0 deg: the window of the views if columns and rows are 0, else the panel's acceptance "
       "asin(lambda/2p)");
   v.flag(
       "common_cone", p.has_common_cone,

@@ -125,7 +125,8 @@ LoadedModel load_ply_mesh(const std::string& path) {
     for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
   }
   const bool has_waves = vertices.find("amplitude") && vertices.find("phase");
-  require(!mesh.triangles.empty() || !has_waves, "{}: expected a mesh with triangles, got {}", path, kind_of_file(path));
+  require(!mesh.triangles.empty() || !has_waves, "{}: expected a mesh with triangles, got {}", path,
+          kind_of_file(path));
   read_colours(vertices, mesh, model.warnings);
   model.is_of_points = mesh.triangles.empty();
   if (model.is_of_points) add_point_solids(vertices, std::vector<Vec3>(mesh.colours), mesh, model.warnings);

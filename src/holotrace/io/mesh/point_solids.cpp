@@ -86,9 +86,10 @@ std::array<Vec3, 3> axes_of_splat(Vec3 scale, double w, Vec3 q) {
   const double norm = std::sqrt(w * w + dot(q, q));
   w /= norm;
   q = q / norm;
-  return {Vec3{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + w * q.z), 2 * (q.x * q.z - w * q.y)} * std::exp(scale.x),
-          Vec3{2 * (q.x * q.y - w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + w * q.x)} * std::exp(scale.y),
-          Vec3{2 * (q.x * q.z + w * q.y), 2 * (q.y * q.z - w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)} * std::exp(scale.z)};
+  return {
+      Vec3{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + w * q.z), 2 * (q.x * q.z - w * q.y)} * std::exp(scale.x),
+      Vec3{2 * (q.x * q.y - w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + w * q.x)} * std::exp(scale.y),
+      Vec3{2 * (q.x * q.z + w * q.y), 2 * (q.y * q.z - w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)} * std::exp(scale.z)};
 }
 
 // The colour of a splat seen from anywhere: 1/2 + f·Y₀₀, sRGB-coded, Y₀₀ = 1/(2√π).

@@ -48,7 +48,8 @@ struct NormalPicture {
       const bool is_here = std::isfinite(depth(row, column)), is_next = std::isfinite(depth(next_row, next_column));
       if (!is_here && !is_next) return;
       const double nearest = std::max(depth(row, column), depth(next_row, next_column));
-      const double weight = 1 + nearest / (side / 2.0);  // 2 at the nearest place that a model can have, 0 at the farthest
+      const double weight =
+          1 + nearest / (side / 2.0);  // 2 at the nearest place that a model can have, 0 at the farthest
       if (is_here != is_next)
         sum += weight;
       else

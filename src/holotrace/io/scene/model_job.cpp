@@ -62,7 +62,8 @@ Frame turns_of(const std::vector<std::string>& rotation) {
     const size_t first = text.find_first_not_of(' ');
     const auto turn = parse_rotation(first == std::string::npos ? "" : text.substr(first));
     require(turn.has_value(),
-            "expected turns about axes for the rotation of the model, such as \"y 30 deg, x 10 deg\", got \"{}\"", text);
+            "expected turns about axes for the rotation of the model, such as \"y 30 deg, x 10 deg\", got \"{}\"",
+            text);
     turns = compose(*turn, turns);
   }
   return turns;
