@@ -170,11 +170,12 @@ class Chooser {
     const Vec2 half = half_tangents_of_views(job_);
     if (half.x <= 0 || half.y <= 0) return;
     RenderParams& render = job_.render;
-    if (render.columns == 0)
+    const bool is_shape_given = render.columns > 0;
+    if (!is_shape_given)
       set("render.columns", render.columns, std::max(1, int(std::lround(render.rows * half.x / half.y))),
           "the shape of the view");
     if (render.field_of_view > 0) return;
-    const double tangent = std::max(half.y, half.x * render.rows / render.columns);
+    const double tangent = is_shape_given ? std::max(half.y, half.x * render.rows / render.columns) : half.y;
     set("render.field_of_view", render.field_of_view, std::atan(tangent),
         fmt::format("{:.4g} deg", std::atan(tangent) * 180 / pi), "the window of the view");
   }

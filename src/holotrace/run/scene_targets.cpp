@@ -148,7 +148,8 @@ TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil
 }
 
 bool aims_at_scene(const Job& job) {
-  return job.encode.method == Encoding::sgd && job.encode.target != EncodeTarget::field;
+  return job.encode.method == Encoding::sgd &&
+         (job.encode.target == EncodeTarget::render || job.encode.target == EncodeTarget::light_field);
 }
 
 std::vector<double> target_distances_of(const Job& job) {
