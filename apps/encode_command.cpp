@@ -97,14 +97,15 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
     check_output(o->output, {".png"});
     if (!o->report.empty()) check_output(o->report, {".json"});
     if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
+    const bool is_stack = is_focal_stack_file(o->input),
+               is_field = !is_stack && (!has_image_ending(o->input) || is_field_file(o->input));
+    params.method = method_or(params.method, is_stack ? Encoding::sgd : Encoding::phase);
     require(o->plot.empty() || aims_at_targets(params.method),
             "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
             "leave it out, or use one of these");
     const Checkpoints checkpoints(o->checkpoint);
     require(!checkpoints.are_kept() || params.method == Encoding::sgd,
             "expected --checkpoint only with --method sgd; use sgd, or leave out --checkpoint");
-    const bool is_stack = is_focal_stack_file(o->input),
-               is_field = !is_stack && (!has_image_ending(o->input) || is_field_file(o->input));
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
     require(o->frames == 1 || is_stack || !std::filesystem::exists(o->input),
             "expected --frames only with a focal stack, got {}; leave it out", o->input);

@@ -18,6 +18,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
@@ -220,6 +221,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
     require(!(o->is_double && job.trace.strategy == Strategy::gather),
             "expected --double with a scene whose strategy makes waves, got gather; use the strategy shared or tiled");
     o->flags.apply(job.synthesize);
+    if (is_scene) job = choose_missing(std::move(job), Goal::waves);
     check_flags_of_method(o->flags, job.synthesize);
     const bool is_banded = !o->memory.empty() || global.ranks->has_launcher();
     check_output(o->output, is_banded ? std::vector<std::string>{".h5"} : field_extensions(o->is_double));

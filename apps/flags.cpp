@@ -52,7 +52,8 @@ void Flags::Adder::add(const std::string& name, const std::string& help, const s
   const auto keep = [&given = given, name](const std::string& text) { given[name] = text; };
   const auto origin = from.find(name);
   const std::string value = origin == from.end() ? shown : origin->second + ", or " + shown;
-  Option* option = command.add_option_function(dashed(name) + other, keep, help + " [" + value + "]")->type_name(kind);
+  Option* option =
+      command.add_option_function(flag_of(name, other_names) + other, keep, help + " [" + value + "]")->type_name(kind);
   if (!group.empty()) option->group(group);
   if (const char* before = name_before(name)) add_old_name(name, before);
 }

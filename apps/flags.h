@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "command.h"
@@ -35,19 +36,24 @@ double parse_size_flag(const char* flag, const std::string& text);
 /// was given, so that a flag can replace a value of a scene file that is read later.
 class Flags {
  public:
+  Flags() = default;
+
+  /// Flags of which some have other names than their fields, as where a command has flags of several stages.
+  explicit Flags(std::map<std::string, std::string> other_names) : other_names_(std::move(other_names)) {}
+
   /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
   /// @param from  origin of the defaults of some fields, for the help text: "[the hologram's, or 300 mm]"
   template <class Params>
   void add(Command& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
            const std::map<std::string, std::string>& from = {}) {
-    Adder adder{command, texts_, without, false, group, from};
+    Adder adder{command, texts_, other_names_, without, false, group, from};
     describe(adder, defaults);
   }
 
   /// Adds a flag for each of the named fields of `defaults`.
   template <class Params>
   void add_only(Command& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
-    Adder adder{command, texts_, names, true, group, {}};
+    Adder adder{command, texts_, other_names_, names, true, group, {}};
     describe(adder, defaults);
   }
 
@@ -57,16 +63,22 @@ class Flags {
   /// Sets the fields whose flags were given. @throws Error for a text that is not a valid value.
   template <class Params>
   void apply(Params& params) const {
-    TextSetter setter(texts_, dashed);
+    TextSetter setter(texts_, [this](const std::string& field) { return flag_of(field, other_names_); });
     describe(setter, params);
   }
 
  private:
   using Texts = std::map<std::string, std::string>;  // texts of the given flags, by field
 
+  static std::string flag_of(const std::string& field, const std::map<std::string, std::string>& other_names) {
+    const auto other = other_names.find(field);
+    return dashed(other == other_names.end() ? field : other->second);
+  }
+
   struct Adder {
     Command& command;
     Texts& given;
+    const std::map<std::string, std::string>& other_names;
     const std::set<std::string>& names;
     bool is_only;  // fields that are named, or all others
     const std::string& group;
@@ -103,6 +115,7 @@ class Flags {
   };
 
   Texts texts_;
+  std::map<std::string, std::string> other_names_;
 };
 
 }  // namespace holotrace

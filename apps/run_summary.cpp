@@ -36,6 +36,9 @@ std::optional<double> number_of(const StageReport& stage, const char* name) {
 }  // namespace
 
 void print_summary(const Report& report, const std::string& folder, const FileRecord& files) {
+  std::vector<std::string> chosen;
+  for (const Chosen& one : report.chosen) chosen.push_back(one.parameter + " " + one.value);
+  if (!chosen.empty()) fmt::print("chosen: {}\n", fmt::join(chosen, ", "));
   double total = 0;
   for (const StageReport& stage : report.stages) {
     std::vector<std::string> texts;

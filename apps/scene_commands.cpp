@@ -23,10 +23,10 @@
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run/save_views.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
-#include "holotrace/run/quality.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
@@ -45,6 +45,32 @@ void add_scene(Command& command, std::string& path) {
       ->required()
       ->type_name("SCENE.toml|MESH");
 }
+
+// How a model without a scene is shown, and the panel.
+struct ModelFlags {
+  std::string slm;
+  Flags flags{};
+
+  void add(Command& command) {
+    command
+        .add_option(
+            "--slm", slm,
+            "panel: preset name, or a file with [slm]; models are placed to fill its view [the scene's; models: "
+            "pluto]")
+        ->type_name("NAME|SCENE.toml");
+    flags.add(command, ModelParams(), {}, "Models (files of meshes or points in place of a scene)");
+  }
+
+  ModelParams params(const std::string& scene) const {
+    ModelParams model;
+    flags.apply(model);
+    for (const char* name : {"up", "rotation", "fit", "floor"})
+      require(!flags.has(name) || is_mesh_file(scene),
+              "expected --{} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
+              name, scene);
+    return model;
+  }
+};
 
 constexpr const char* trace_group = "Tracing (overrides the scene's [trace])";
 
@@ -79,14 +105,32 @@ std::shared_ptr<void> defer_interrupts() {
   return std::shared_ptr<DeferInterrupts>(new DeferInterrupts, end);
 }
 
+// The light paths of pictures are those of [render]: flags of [trace] that describe paths count for them.
+void follow_paths_as_traced(const Flags& given, Job& job) {
+  if (given.has("paths")) job.render.paths = job.trace.paths;
+  if (given.has("max_depth")) job.render.max_depth = job.trace.max_depth;
+  if (given.has("roulette_depth")) job.render.roulette_depth = job.trace.roulette_depth;
+  if (given.has("clamp")) job.render.clamp = job.trace.clamp;
+}
+
+// The light of holograms is for the eye that looks, unless the scene asks for waves or for the whole space before the panel.
+void aim_at_eye_of_camera(Job& job) {
+  const EncodeParams& encode = job.encode;
+  const bool may_aim = (encode.method == Encoding::automatic || encode.method == Encoding::sgd) &&
+                       (encode.target == EncodeTarget::automatic || encode.target == EncodeTarget::render);
+  const Vec3& eye = job.camera.eye;
+  if (may_aim && encode.eye.empty() && eye.z > 0) job.encode.eye = {eye.x, eye.y, eye.z};
+}
+
 void add_run(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
     std::string scene, folder, wavelengths, eye_separation, checkpoint;
     std::optional<int64_t> seed;
     bool is_estimated = false;
-    Flags flags, render_flags, encode_flags, trace_flags,
-        synthesize_flags;  // separate sets, because some names (samples, rows, …) occur twice
+    ModelFlags model;
+    Flags flags, render_flags, encode_flags, trace_flags;  // separate sets, because some names occur twice
+    Flags synthesize_flags{{{"method", "synthesis"}}};     // --method is that of [encode]
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
@@ -100,7 +144,8 @@ void add_run(Command& app, const GlobalFlags& global) {
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
-  command->add_option("--seed", o->seed, "seed for tracing and rendering [the scene's]")->type_name("N");
+  o->model.add(*command);
+  command->add_option("--seed", o->seed, "seed for tracing, rendering and encoding [the scene's]")->type_name("N");
   command->add_flag("--estimate", o->is_estimated,
                     "estimate the job first, and compare the prediction with the outcome");
   command
@@ -109,13 +154,14 @@ void add_run(Command& app, const GlobalFlags& global) {
       ->type_name("LENGTH");
   Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
-  o->encode_flags.add_only(*command, EncodeParams(), {"quality", "target", "planes", "iterations", "denoise"},
-                           "Encoding (overrides the scene's [encode])");
+  o->encode_flags.add(*command, EncodeParams(),
+                      {"seed", "device", "resample", "target_columns", "target_rows", "eye", "pupil"},
+                      "Encoding (overrides the scene's [encode])");
   o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
   command->callback([o, &global] {
-    Job job = load_job(o->scene, global.outside());
+    Job job = load_job(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.camera);
     o->render_flags.apply(job.render);
     o->encode_flags.apply(job.encode);
@@ -126,8 +172,10 @@ void add_run(Command& app, const GlobalFlags& global) {
     if (!o->eye_separation.empty())
       job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
     if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
-    if (o->seed) job.trace.seed = job.render.seed = *o->seed;
-    job = with_quality(job);
+    if (o->seed) job.trace.seed = job.render.seed = job.encode.seed = *o->seed;
+    if (o->flags.has("eye")) aim_at_eye_of_camera(job);
+    job = choose_missing(std::move(job));
+    if (aims_at_scene(job)) follow_paths_as_traced(o->trace_flags, job);
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
     check_job(job);  // before a folder is made in vain
     const Checkpoints checkpoints(o->checkpoint);
@@ -180,6 +228,7 @@ void add_render(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
     std::string scene, output;
+    ModelFlags model;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -188,10 +237,12 @@ void add_render(Command& app, const GlobalFlags& global) {
       *command, o->output,
       "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
+  o->model.add(*command);
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
-    Job job = load_scene(o->scene, global.outside());
+    Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.render);
+    job = choose_missing(std::move(job), Goal::waves);
     const bool is_stack = !job.render.focal_stack.empty();
     require(!is_stack || job.render.eye_separation == 0,
             "expected one of focal_stack and eye_separation, got both; leave one out");
@@ -228,17 +279,20 @@ void add_trace(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths;
+    ModelFlags model;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   add_wavelength(*command, o->wavelengths);
   add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
+  o->model.add(*command);
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_scene(o->scene, global.outside());
+    Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.trace);
     if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
+    job = choose_missing(std::move(job), Goal::waves);
     check_output(o->output, {".ply"});
     Console console(global.is_quiet);
     const auto sets = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"));

@@ -179,9 +179,14 @@ struct ParamMembers {
 };
 
 template <class Archive>
+void members(Archive& archive, Chosen& part) {
+  auto& [parameter, value, why] = part;
+  archive(parameter, value, why);
+}
+template <class Archive>
 void members(Archive& archive, Job& noun) {
-  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, warnings] = noun;
-  archive(scene, wavelengths, slm, warnings);
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, warnings, chosen] = noun;
+  archive(scene, wavelengths, slm, warnings, chosen);
   ParamMembers<Archive> params{archive};
   describe(params, trace);
   describe(params, render);
@@ -206,8 +211,8 @@ void members(Archive& archive, StageReport& part) {
 }
 template <class Archive>
 void members(Archive& archive, Report& part) {
-  auto& [seed, stages] = part;
-  archive(seed, stages);
+  auto& [seed, stages, chosen] = part;
+  archive(seed, stages, chosen);
 }
 template <class Archive>
 void members(Archive& archive, RunRecord& part) {

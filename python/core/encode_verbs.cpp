@@ -12,9 +12,10 @@
 namespace holotrace::python {
 namespace {
 
-EncodeParams encode_params(const nb::dict& given) {
+EncodeParams encode_params(const nb::dict& given, Encoding method = Encoding::phase) {
   EncodeParams params;
   set_params(given, params);
+  params.method = method_or(params.method, method);
   return params;
 }
 
@@ -58,7 +59,7 @@ std::vector<Hologram> encode_picture(const Image& picture, const Slm& slm, nb::h
 
 std::vector<Hologram> encode_stack(const FocalStack& stack, const Slm& slm, nb::handle wavelengths, int frames,
                                    const nb::dict& given, Watch& watch) {
-  const EncodeParams params = encode_params(given);
+  const EncodeParams params = encode_params(given, Encoding::sgd);
   const std::vector<double> colours = to_wavelengths(wavelengths);
   check_named(frames, range::at_least(1), Quantity::count, "frames");
   return encode_with(params, slm, frames, watch,

@@ -6,8 +6,8 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/run/save_run.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
-#include "holotrace/run/quality.h"
 #include "results.h"
 #include "watch.h"
 
@@ -18,7 +18,7 @@ std::string json_of(const Report& report) { return report_json(report).dump(); }
 namespace {
 
 nb::dict run_job(const Job& given, Watch& watch) {
-  const Job job = with_quality(given);
+  const Job job = choose_missing(given);
   Boxes boxes = watch.run("run", [&](const Observer&) {
     return run(job, [&](const std::string& stage) { return watch.observer(stage); });
   });

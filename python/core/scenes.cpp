@@ -2,8 +2,11 @@
 
 #include <nanobind/stl/vector.h>
 
+#include <utility>
+
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/scene_light.h"
 #include "holotrace/trace/trace.h"
@@ -32,17 +35,21 @@ void with_stage(Job& job, const std::string& stage, const Use& use) {
       unknown_name_message("stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera"}));
 }
 
+// The parameters of renders of a job, with those that are given in their place.
+RenderParams render_params(Job job, const nb::dict& given) {
+  set_params(given, job.render);
+  return choose_missing(std::move(job), Goal::waves).render;
+}
+
 Image render_scene(const Job& job, const nb::dict& given, Watch& watch) {
-  RenderParams params = job.render;
-  set_params(given, params);
+  const RenderParams params = render_params(job, given);
   return watch.run("render",
                    [&](const Observer& observer) { return make_picture(job, params, PictureUse::radiance, observer); });
 }
 
 // Left and right.
 std::vector<Image> render_pair(const Job& job, const nb::dict& given, Watch& watch) {
-  RenderParams params = job.render;
-  set_params(given, params);
+  const RenderParams params = render_params(job, given);
   const auto eyes = stereo_pair(params);
   std::vector<Image> pair;
   for (size_t i = 0; i < eyes.size(); ++i)
@@ -60,11 +67,12 @@ FocalStack trace_stack(const Job& job, const std::vector<double>& distances, con
   });
 }
 
-std::vector<Sources> trace_sources(const Job& job, const nb::dict& given, Watch& watch) {
-  TraceParams params = job.trace;
-  set_params(given, params);
+std::vector<Sources> trace_sources(const Job& given_job, const nb::dict& given, Watch& watch) {
+  Job job = given_job;
+  set_params(given, job.trace);
+  job = choose_missing(std::move(job), Goal::waves);
   return watch.run("trace", [&](const Observer& observer) {
-    return trace(job.scene, job.slm.grid, job.wavelengths, params, observer);
+    return trace(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
   });
 }
 
@@ -72,6 +80,7 @@ std::vector<Sources> trace_sources(const Job& job, const nb::dict& given, Watch&
 std::vector<Field> fields_of_scene(const Job& given_job, const nb::dict& given, uint32_t frame, Watch& watch) {
   Job job = given_job;
   set_params(given, job.synthesize);
+  job = choose_missing(std::move(job), Goal::waves);
   return watch.run("trace", [&](const Observer& observer) {
     const SceneLight light = trace_light(job, observer);
     return fields_of_frame(light, frame, job.slm.grid, job.synthesize, watch.observer("synthesize"));

@@ -10,23 +10,32 @@
 namespace holotrace::test {
 namespace {
 
-// A square of 10 mm in the middle of the picture, of the grey 0.8 of meshes without a material. Around it is the
-// uniform light of radiance 0.3.
-TEST(Models, AModelAloneIsLitFromAllAroundAndByItsLamp) {
+// A square that faces the panel, of the grey 0.8 of meshes without a material, before black. It is lit by even light of
+// radiance 0.15 from all around, the key lamp, which gives white that faces it 0.85, in the direction (-0.40, 0.55, 0.73)
+// of length 0.998, and the fill lamp, which gives 0.2 in the direction (0.80, 0.20, 0.56) of length 1.0.
+TEST(Models, AModelAloneIsLitFromAllAroundAndByItsLamps) {
   const Workplace work;
   work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
-  const Outcome outcome = work.run({"render", "m.obj", "-o", "m.exr", "--rows", "32", "--columns", "32"});
+  const Outcome outcome = work.run({"render", "m.obj", "-o", "m.exr", "--rows", "32", "--columns", "32", "--floor",
+                                    "none", "--rotation", "x -18 deg"});  // as much as it is seen from above
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Image image = load_image(work.path("m.exr"));
-  EXPECT_FLOAT_EQ(image(0, 0), 0.3F);
+  EXPECT_EQ(image(0, 0), 0);
   double sum = 0;
   for (int row = 12; row < 20; ++row)
     for (int column = 12; column < 20; ++column) sum += image(row, column) / 64;
-  // 0.8·(0.3 + 0.7·cos) for a square that faces the panel, with the lamp at (-80, 100, 150) mm from it:
-  // cos = 150/197. The lamp has a size: from its edges the distance is longer and the angle steeper, by at most
-  // (60 mm/197 mm)² = 9 %, and by half of this for the whole lamp.
-  EXPECT_NEAR(sum, 0.8 * (0.3 + 0.7 * 150 / 197), 0.05 * 0.8 * 0.7);
-  EXPECT_LT(sum, 0.8 * (0.3 + 0.7));
+  // The lamps have a size: from their edges the distance is longer and the angle steeper, by at most the square of half
+  // the fill lamp's side over its distance, (0.35)² = 12 %, and by half of this for the whole lamp.
+  const double lamps = 0.8 * (0.85 * 0.73 / 0.998 + 0.2 * 0.56);
+  EXPECT_NEAR(sum, 0.8 * 0.15 + lamps, 0.06 * lamps);
+}
+
+TEST(Models, FlagsOfModelsAreRefusedForScenes) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--up", "z"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("expected --up with a model, got the scene scene.toml"), std::string::npos) << outcome.err;
 }
 
 TEST(Models, FilesBesideAModelAreFoundFromAnywhere) {
@@ -34,7 +43,9 @@ TEST(Models, FilesBesideAModelAreFoundFromAnywhere) {
   std::filesystem::create_directory(work.path("models"));
   work.write("models/m.mtl", "newmtl black\nKd 0 0 0\n");
   work.write("models/m.obj", "mtllib m.mtl\nusemtl black\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
-  ASSERT_EQ(work.run({"render", "models/m.obj", "-o", "m.exr", "--rows", "16", "--columns", "16"}).exit_code, 0);
+  ASSERT_EQ(work.run({"render", "models/m.obj", "-o", "m.exr", "--rows", "16", "--columns", "16", "--floor", "none"})
+                .exit_code,
+            0);
   EXPECT_EQ(load_image(work.path("m.exr"))(8, 8), 0);
 }
 

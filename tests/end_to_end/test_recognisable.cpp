@@ -49,6 +49,8 @@ void write_textured_box(const Workplace& work) {
   work.write("box.obj", obj);
 }
 
+double half_tangent(const Job& job) { return acceptance_tangent(job.wavelengths[0], job.slm.grid.pitch); }
+
 Job model_job(const Workplace& work, const std::string& file) {
   const std::string path = work.write(
       "scene.toml", scene_head(square_panel, "background = 0.25\n") +
@@ -60,10 +62,10 @@ Job model_job(const Workplace& work, const std::string& file) {
                         "[[object]]\ntype = \"mesh\"\nfit = \"1.1 mm\"\ndistance = \"60 mm\"\n"
                         "rotation = [\"y 30 deg\", \"x 20 deg\"]\nfile = \"" +
                         file + "\"\n");
-  return load_job(path);
+  Job job = load_job(path);
+  job.render.field_of_view = std::atan(half_tangent(job));
+  return job;
 }
-
-double half_tangent(const Job& job) { return acceptance_tangent(job.wavelengths[0], job.slm.grid.pitch); }
 
 void expect_recognised(const Job& job) {
   const Boxes boxes = run(job);

@@ -55,7 +55,7 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
       {{"bench", "-z"}, "unknown flag \"-z\"; `holotrace bench --help` lists the flags"},
       {{"run", "scene.toml", "-o", "x", "--seed", "1.5"}, "--seed: expected a whole number, got \"1.5\""},
       {{"field", "scene.toml", "-o", "f.npy", "--double=yes!"}, "--double: expected no value, got \"yes!\""},
-      {{"run", "scene.toml", "-o", "x", "--method"}, "expected --method auto|exact|"},
+      {{"run", "scene.toml", "-o", "x", "--method"}, "expected --method auto|phase|"},
       {{"run", "scene.toml", "-o", "x", "-o", "y"}, "expected --output once, got it 2 times"},
       {{"field", "scene.toml", "extra", "-o", "f.npy"},
        "expected no further argument, got \"extra\"; `holotrace field --help` lists the arguments"},

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "holotrace/run/pipeline.h"
-#include "holotrace/run/quality.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
@@ -175,25 +174,6 @@ TEST(SceneTargets, RunShowsTheTracedLight) {
   };
   job.encode.iterations = 1;                   // random phases
   EXPECT_GT(psnr(boxes), psnr(run(job)) + 5);  // a third of the error, or less
-}
-
-TEST(Quality, ChoosesWhatIsNotGiven) {
-  Job job = two_squares();
-  EXPECT_EQ(with_quality(job).encode.iterations, 0);
-  job.encode.quality = Quality::good;
-  EXPECT_EQ(with_quality(job).trace.frames, 8);
-  EXPECT_EQ(with_quality(job).encode.planes, 16);
-  EXPECT_EQ(with_quality(job).encode.iterations, 150);
-  job.encode.iterations = 7;
-  job.trace.frames = 3;
-  job.encode.planes = 2;
-  const Job chosen = with_quality(job);
-  EXPECT_EQ(chosen.encode.iterations, 7);
-  EXPECT_EQ(chosen.trace.frames, 3);
-  EXPECT_EQ(chosen.encode.planes, 2);
-  job.encode.target = EncodeTarget::field;
-  job.encode.iterations = 0;
-  EXPECT_EQ(with_quality(job).encode.iterations, 0);
 }
 
 double fact_of(const Report& report, const std::string& stage, const std::string& name) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/data/chosen.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/params/propagate.h"
@@ -28,6 +29,7 @@ struct Job {
   PropagateParams propagate;
   CameraParams camera;
   std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
+  std::vector<Chosen> chosen;         ///< what the job does not give, and was chosen for it (run/choose.h)
 };
 
 }  // namespace holotrace

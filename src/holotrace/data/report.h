@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/data/chosen.h"
 
 namespace holotrace {
 
@@ -22,6 +23,7 @@ struct StageReport {
 struct Report {
   int64_t seed = 0;
   std::vector<StageReport> stages;
+  std::vector<Chosen> chosen{};  ///< what the job did not give
 };
 
 }  // namespace holotrace

@@ -52,7 +52,7 @@ Json describe(const Job& job) {
           {"triangles", triangles},
           {"materials", job.scene.materials.size()},
           {"lights", job.scene.lights.size()},
-          {"frames", job.trace.frames},
+          {"frames", job.trace.frames > 0 ? Json(job.trace.frames) : Json("auto")},
           {"warnings", job.warnings}};
 }
 

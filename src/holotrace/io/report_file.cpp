@@ -30,6 +30,8 @@ nlohmann::ordered_json report_json(const Report& report) {
   nlohmann::ordered_json json;
   json["versions"] = versions();
   json["seed"] = report.seed;
+  for (const Chosen& one : report.chosen)
+    json["chosen"].push_back({{"parameter", one.parameter}, {"value", one.value}, {"why", one.why}});
   double total = 0;
   for (const StageReport& stage : report.stages) {
     nlohmann::ordered_json entry{{"stage", stage.stage}, {"seconds", stage.seconds}};

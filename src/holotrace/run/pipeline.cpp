@@ -9,10 +9,10 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/view_place.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/common_exposure.h"
 #include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/lit_part.h"
-#include "holotrace/run/quality.h"
 #include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
@@ -247,9 +247,10 @@ std::vector<Sources> points_to_focus(const Job& job) {
 }  // namespace
 
 Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of) {
-  const Job job = with_quality(given);
+  const Job job = choose_missing(given);
   Boxes b;
   b.report.seed = job.trace.seed;
+  b.report.chosen = job.chosen;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   check_job(job);
 

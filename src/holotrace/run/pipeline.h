@@ -58,7 +58,9 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// Holograms that aim at the scene's light (encode.target render or light-field) are found together, all frames of a
 /// wavelength at once, from a focal stack (scene_targets.h) instead of waves: the run then has the stages "focal stack"
 /// and "encode" in place of "render", "trace" and "synthesize", no sources but points, no fields, and `renders` are the stack's
-/// pictures in the planes that the camera looks at. The job's quality chooses the numbers that it does not give.
+/// pictures in the planes that the camera looks at.
+///
+/// What the job does not give is chosen (choose_missing), and listed in the report.
 ///
 /// The states of those optimisations are kept by `checkpoint_of`; a run that goes on traces the focal stack again.
 ///

@@ -116,7 +116,7 @@ SceneLight trace_light(const Job& job, const Observer& observer) {
     light.sources = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
     return light;
   }
-  const size_t frames = size_t(job.trace.frames);
+  const size_t frames = size_t(std::max(1, job.trace.frames));
   std::vector<Field> fields = gather(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
   light.gathered.resize(fields.size() / frames);
   for (size_t i = 0; i < fields.size(); ++i) light.gathered[i / frames].push_back(std::move(fields[i]));

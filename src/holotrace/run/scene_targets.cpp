@@ -81,7 +81,8 @@ void add_views_of_eyes(const SceneTargets& targets, const Job& job, const std::v
 }  // namespace
 
 bool aims_at_scene(const Job& job) {
-  return job.encode.method == Encoding::sgd && job.encode.target != EncodeTarget::field;
+  return job.encode.method == Encoding::sgd &&
+         (job.encode.target == EncodeTarget::render || job.encode.target == EncodeTarget::light_field);
 }
 
 bool aims_at_eyes(const Job& job) {

@@ -117,10 +117,10 @@ PathCounts fill_targets(const PathScene& scene, const StackLens& lens, const Ren
                         std::vector<Target>& targets, const Observer& observer) {
   std::vector<PixelPlane> planes;
   for (const Target& target : targets) planes.push_back(target.plane);
-  const PanelRays rays(lens.window, lens.tangent, planes, params.paths);
+  const PanelRays rays(lens.window, lens.tangent, planes, paths_per_pixel(params));
   const StackTracing tracing(scene, rays, lens.z, params);
   constexpr int64_t pixels_per_block = 64, rays_per_band = int64_t(1) << 21;
-  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * params.paths));
+  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * paths_per_pixel(params)));
   PathCounts total;
   for (size_t p = 0; p < planes.size(); ++p) {
     const Grid& grid = planes[p].grid;

@@ -251,6 +251,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
                           const TraceParams& asked, const Observer& observer) {
   TraceParams params = asked;
   params.strategy = Strategy::gather;
+  params.frames = std::max(1, asked.frames);
   check_scene(scene);
   check_grid(panel);
   require(!wavelengths.empty(), "expected at least one wavelength, got none");

@@ -112,12 +112,14 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
 }
 
 // The picture, or only its pixels in the mask; the others hold nothing but luminous points.
-Image render_masked(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+Image render_masked(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& asked,
                     const PixelMask* mask, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
-  check_ranges(params);
+  check_ranges(asked);
+  RenderParams params = asked;
+  params.paths = paths_per_pixel(asked);
 
   const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
   const Eye eye{.columns = columns,

@@ -14,7 +14,7 @@
 #include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
-#include "holotrace/run/quality.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/scene_light.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/wave/synthesize.h"
@@ -132,7 +132,7 @@ void add_folder(const std::string& folder, const ContentsParams& params, Content
 
 void add_scene(const std::string& path, const ContentsParams& params, Contents& contents) {
   attempt(contents.problems, [&] {
-    const auto job = std::make_shared<const Job>(with_quality(load_job(path, params.outside)));
+    const auto job = std::make_shared<const Job>(choose_missing(load_job(path, params.outside), Goal::waves));
     const SceneLight light = trace_light(*job, watch_stage(params, "trace"));
     for (Field& field : fields_of_frame(light, 0, job->slm.grid, job->synthesize, watch_stage(params, "synthesize")))
       contents.items.push_back(item_of_field("", std::move(field), params));

@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "holotrace/base/units.h"
+#include "holotrace/data/shapes.h"
+#include "holotrace/io/scene/model_front.h"
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/slm_file.h"
 #include "support/data_files.h"
 #include "support/gltf.h"
 #include "support/temporary.h"
@@ -12,52 +16,180 @@
 namespace holotrace {
 namespace {
 
+using namespace literals;
+
 struct Box {
   Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+
+  void add(Vec3 p) {
+    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
+    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+  }
 };
 
-Box box_of(const Scene& scene) {
+const Mesh* floor_of(const Job& job) {
+  const Mesh& last = job.scene.meshes.back();
+  return last.name == "floor" ? &last : nullptr;
+}
+
+// The bounds of a model without its floor.
+Box box_of(const Job& job) {
   Box box;
-  for (const Mesh& mesh : scene.meshes)
-    for (const Vec3 p : mesh.positions) {
-      box.low = {std::fmin(box.low.x, p.x), std::fmin(box.low.y, p.y), std::fmin(box.low.z, p.z)};
-      box.high = {std::fmax(box.high.x, p.x), std::fmax(box.high.y, p.y), std::fmax(box.high.z, p.z)};
-    }
+  for (const Mesh& mesh : job.scene.meshes)
+    if (&mesh != floor_of(job))
+      for (const Vec3 p : mesh.positions) box.add(p);
   return box;
 }
 
-// Checks that the model is 7 mm large, its centre 200 mm behind that of the panel, to a few ulps of 0.2.
-void expect_placed(const Job& job) {
-  const Box box = box_of(job.scene);
-  const Vec3 size = box.high - box.low, middle = (box.low + box.high) * 0.5;
-  EXPECT_NEAR(max_component(size), 7e-3, 1e-15);
-  EXPECT_NEAR(length(middle - Vec3{0, 0, -0.2}), 0, 1e-15);
+// An L of two boxes: 2 wide, 1 deep, and 2 high on the side of +x; its front is a tile at z = 0.5, y up.
+std::string letter(const std::string& up = "y") {
+  std::string text;
+  for (const Vec3 p :
+       {Vec3{-1, 0, 0.5}, {1, 0, 0.5}, {1, 2, 0.5}, {0, 2, 0.5}, {0, 1, 0.5}, {-1, 1, 0.5}, {0, 0, -0.5}})
+    text += up == "y" ? fmt::format("v {} {} {}\n", p.x, p.y, p.z) : fmt::format("v {} {} {}\n", p.x, -p.z, p.y);
+  return text + "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 1 5 6\nf 7 2 3\n";
 }
 
-TEST(ModelJob, AModelAloneIsPlacedWhereTheCameraLooks) {
-  const Job job = load_job(test::make_file("m.gltf", test::GltfTriangle().text()));
-  expect_placed(job);
-  EXPECT_EQ(job.slm.name, "pluto");
-  EXPECT_EQ(job.wavelengths, (std::vector<double>{532e-9}));
-  EXPECT_EQ(job.camera.distances, (std::vector<double>{0.2}));
-  EXPECT_EQ(job.render.focus, 0.2);
-  expect_placed(load_job(test::make_file("m.obj", "v 5 5 5\nv 7 5 5\nv 5 6 5\nf 1 2 3\n")));
+Job job_of(const std::string& file, const ModelParams& params = {}) {
+  return job_for_model(file, slm_preset("pluto"), params);
 }
 
-// Its square lamp lights the model with π·0.7 W/m², which gives white the radiance 0.7. Seen from the model its
-// solid angle is small, so area·cos/d² is correct to about (side/d)²/4.
-TEST(ModelJob, TheLampShinesOnTheModel) {
-  const Job job = load_job(test::make_file("m.gltf", test::GltfTriangle().text()));
-  ASSERT_EQ(job.scene.lights.size(), 1u);
-  const auto lamp = std::get<RectangleLight>(job.scene.lights[0]);
-  const Vec3 front = cross(lamp.edge_u, lamp.edge_v), middle = lamp.corner + (lamp.edge_u + lamp.edge_v) * 0.5;
-  const Vec3 way = Vec3{0, 0, -0.2} - middle;
-  const double cosine = dot(normalize(front), normalize(way));
-  EXPECT_NEAR(cosine, 1, 1e-12);  // it faces the model
-  EXPECT_NEAR(lamp.radiance.x * length(front) * cosine / dot(way, way), pi * 0.7, 1e-12);
-  EXPECT_LT(middle.x, 0);
-  EXPECT_GT(middle.y, 0);
-  EXPECT_EQ(job.scene.background, (Vec3{0.3, 0.3, 0.3}));
+ModelParams upright_model() { return {.rotation = {"y 0 deg"}, .floor = ModelFloor::none}; }
+
+// Seen from 18° above, the bounds fill 0.8 of the height or width of the panel's window of 15.36 mm × 8.64 mm, in its
+// middle, 300 mm away.
+TEST(ModelJob, AModelAloneFillsTheView) {
+  for (const auto& file :
+       {test::make_file("m.gltf", test::GltfTriangle().text()), test::make_file("m.obj", letter())}) {
+    ModelParams params;
+    params.floor = ModelFloor::none;
+    const Job job = job_of(file, params);
+    const Box box = box_of(job);
+    const Vec3 size = box.high - box.low, middle = (box.low + box.high) * 0.5;
+    EXPECT_NEAR(std::fmax(size.x / 15.36e-3, size.y / 8.64e-3), 0.8, 1e-12);
+    EXPECT_NEAR(length(middle - Vec3{0, 0, -0.3}), 0, 1e-15);
+    EXPECT_EQ(floor_of(job), nullptr);
+    EXPECT_EQ(job.slm.name, "pluto");
+    EXPECT_EQ(job.encode.method, Encoding::automatic);  // choose_missing chooses
+  }
+}
+
+TEST(ModelJob, AnotherPanelPlacesTheModelForItself) {
+  const Slm slm{.name = "small", .grid = {256, 256, 8e-6}};
+  ModelParams params = upright_model();
+  params.fit = 0.5;
+  const Job job = job_for_model(test::make_file("m.obj", letter()), slm, params);
+  const Box box = box_of(job);
+  EXPECT_NEAR(std::fmax(box.high.x - box.low.x, box.high.y - box.low.y), 0.5 * 2.048e-3, 1e-15);
+  EXPECT_NEAR((box.low.z + box.high.z) / 2, -2.048e-3 * 300 / 15.36, 1e-15);
+}
+
+// The floor touches the lowest point; its normal is up, which seen from 18° above is (0, cos 18°, sin 18°).
+TEST(ModelJob, TheModelStandsOnAFloorThatFades) {
+  const Job job = job_of(test::make_file("m.obj", letter()));
+  const Mesh* floor = floor_of(job);
+  ASSERT_NE(floor, nullptr);
+  const Vec3 up = floor->normals.front();
+  EXPECT_NEAR(length(up - Vec3{0, std::cos(18_deg), std::sin(18_deg)}), 0, 1e-12);
+  double lowest = INFINITY;
+  for (const Vec3 p : job.scene.meshes.front().positions)
+    lowest = std::fmin(lowest, dot(p - floor->positions.front(), up));
+  EXPECT_NEAR(lowest, 0, 1e-15);
+  EXPECT_EQ(floor->colours.front(), (Vec3{1, 1, 1}));
+  EXPECT_NEAR(floor->colours.back().x, 0, 1e-12);  // the last ring is its edge
+  for (const auto& [a, b, c] : floor->triangles)
+    EXPECT_GT(dot(cross(floor->positions[b] - floor->positions[a], floor->positions[c] - floor->positions[a]), up), 0);
+}
+
+// A lamp of radiance L, area A and distance d gives white that faces it the radiance L·A/(π·d²): 0.85 from the key
+// light and 0.2 from the fill light. Both face the model, and are not seen.
+TEST(ModelJob, TwoLampsFaceTheModel) {
+  const Job job = job_of(test::make_file("m.obj", letter()));
+  ASSERT_EQ(job.scene.lights.size(), 2u);
+  const double white[] = {0.85, 0.2}, side[] = {-1, 1};
+  for (size_t i = 0; i < 2; ++i) {
+    const auto lamp = std::get<RectangleLight>(job.scene.lights[i]);
+    const Vec3 front = cross(lamp.edge_u, lamp.edge_v), middle = lamp.corner + (lamp.edge_u + lamp.edge_v) * 0.5;
+    const Vec3 way = Vec3{0, 0, -0.3} - middle;
+    EXPECT_NEAR(dot(normalize(front), normalize(way)), 1, 1e-12);
+    EXPECT_NEAR(lamp.radiance.x * length(front) / dot(way, way), pi * white[i], 1e-12);
+    EXPECT_GT(middle.x * side[i], 0);
+    EXPECT_GT(middle.y, 0);
+    EXPECT_FALSE(lamp.is_visible);
+  }
+  EXPECT_FALSE(job.render.has_background);
+}
+
+// After either of these turns the L is the same: z up is turned to y up first.
+TEST(ModelJob, UpAndRotationTurnTheModel) {
+  const Box upright = box_of(job_of(test::make_file("y.obj", letter()), upright_model()));
+  ModelParams params = upright_model();
+  params.up = UpAxis::z;
+  const Box from_z = box_of(job_of(test::make_file("z.obj", letter("z")), params));
+  EXPECT_NEAR(length(upright.low - from_z.low), 0, 1e-12);
+  EXPECT_NEAR(length(upright.high - from_z.high), 0, 1e-12);
+  params = upright_model();
+  params.rotation = {"z 180 deg", " z 180 deg"};
+  const Box turned_twice = box_of(job_of(test::make_file("y.obj", letter()), params));
+  EXPECT_NEAR(length(upright.low - turned_twice.low), 0, 1e-12);
+  params.rotation = {"30 deg"};
+  EXPECT_EQ(error_of([&] { job_of(test::make_file("y.obj", letter()), params); }),
+            "expected turns about axes for the rotation of the model, such as \"y 30 deg, x 10 deg\", got \"30 deg\"");
+}
+
+// A flat plate with four pits on one side, and nothing on the others: the side with the pits is turned to the viewer.
+TEST(ModelJob, AModelWithoutADeclaredFrontShowsItsDetail) {
+  const auto plate = [](double z) {
+    std::string text = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    int vertex = 5;
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5}) {
+        text += fmt::format("v {} {} {}\nv {} {} {}\nv {} {} {}\nv {} {} {}\n", x - 0.3, y - 0.3, z / 10, x + 0.3,
+                            y - 0.3, z / 10, x, y + 0.3, z / 10, x, y, z);
+        text +=
+            fmt::format("f {0} {1} {3}\nf {1} {2} {3}\nf {2} {0} {3}\n", vertex, vertex + 1, vertex + 2, vertex + 3);
+        vertex += 4;
+      }
+    return test::make_file("plate.obj", text);
+  };
+  for (const double z : {0.5, -0.5}) {
+    ModelParams params;
+    params.floor = ModelFloor::none;
+    const Job job = job_of(plate(z), params);
+    const std::vector<Vec3>& p = job.scene.meshes.front().positions;
+    EXPECT_GT(p[7].z, (p[4].z + p[5].z + p[6].z) / 3);  // the tip of a pit is nearer than its base
+  }
+}
+
+// Each turn shows the same of a sphere up to its facets, so the first one is taken; glTF says where its front is.
+TEST(ModelJob, TheFirstTurnIsTakenUnlessAnotherShowsMore) {
+  EXPECT_EQ(turn_that_shows_most({make_sphere(1, 64)}, {0.5, 1.5, 2.5}, Frame{}), 0.5);
+}
+
+TEST(ModelJob, ColoursOfAModelDecideItsWavelengths) {
+  EXPECT_EQ(job_of(test::make_file("m.obj", letter())).wavelengths, (std::vector<double>{532e-9}));
+  test::make_file("m.mtl", "newmtl red\nKd 0.8 0.2 0.2\n");
+  const Job job = job_of(test::make_file("m.obj", "mtllib m.mtl\nusemtl red\n" + letter()));
+  EXPECT_EQ(job.wavelengths, (std::vector<double>{638e-9, 532e-9, 450e-9}));
+  ASSERT_FALSE(job.chosen.empty());
+  EXPECT_EQ(job.chosen[0].parameter, "wavelength");
+  EXPECT_EQ(job.chosen[0].why, "the scene has colours");
+}
+
+// The L upright, its front 0.5 before its middle, is one plane that faces the panel from 18° above; the depth of focus is
+// 2λ(d/w)² = 0.41 mm.
+TEST(ModelJob, TheCameraLooksAtTheNearestAndTheFarthestSurface) {
+  const Job job = job_of(test::make_file("m.obj", letter()));
+  ASSERT_EQ(job.camera.distances.size(), 2u);
+  const Box box = box_of(job);
+  EXPECT_GT(job.camera.distances[0], -box.high.z);
+  EXPECT_LT(job.camera.distances[1], -box.low.z);
+  EXPECT_GT(job.camera.distances[1] - job.camera.distances[0], 0.41e-3);
+  EXPECT_EQ(job.render.focus, job.camera.distances[0]);
+  ModelParams facing = upright_model();
+  facing.rotation = {"x -18 deg"};  // straight to the panel
+  EXPECT_EQ(job_of(test::make_file("m.obj", "v -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), facing).camera.distances.size(),
+            1u);
 }
 
 TEST(ModelJob, AModelWithoutAnExtentIsRefused) {
@@ -69,14 +201,13 @@ TEST(ModelJob, EveryKindOfModelLoadsThroughASceneAndAlone) {
   size_t meshes = 0, textured = 0, coloured = 0;
   for (const auto& entry : std::filesystem::directory_iterator(test::data_folder())) {
     const std::string file = entry.path().string(), kind = entry.path().extension().string();
-    const bool is_points = entry.path().stem().string().ends_with("points");
-    if ((kind != ".obj" && kind != ".glb" && kind != ".ply") || is_points) continue;
+    if (kind != ".obj" && kind != ".glb" && kind != ".ply") continue;
     SCOPED_TRACE(file);
-    expect_placed(load_job(file));
+    EXPECT_NE(floor_of(load_job(file)), nullptr);
     const Job job =
         load_job(test::make_file("scene.toml", "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
                                                    "'\nfit = \"7 mm\"\ndistance = \"200 mm\"\n"));
-    expect_placed(job);
+    EXPECT_NEAR(max_component(box_of(job).high - box_of(job).low), 7e-3, 1e-15);
     ++meshes;
     for (const Material& material : job.scene.materials) {
       const auto* surface = std::get_if<MetallicRoughnessMaterial>(&material.surface);
@@ -84,7 +215,7 @@ TEST(ModelJob, EveryKindOfModelLoadsThroughASceneAndAlone) {
       coloured += surface && surface->base_color.x != surface->base_color.z;
     }
   }
-  EXPECT_EQ(meshes, 6u);
+  EXPECT_EQ(meshes, 7u);    // one of them of points
   EXPECT_EQ(textured, 1u);  // the box
   EXPECT_EQ(coloured, 1u);  // the pump's base
 }

@@ -107,6 +107,7 @@ TEST(JobProbes, StagesHaveTheNamesOfTheJobs) {
   job.slm.levels = 256;
   job.wavelengths = {532e-9};
   job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::field;
   job.encode.iterations = 32;
   job.camera.distances = {0.06, 0.07};
   DisplayProbe probe(job);
@@ -134,6 +135,7 @@ TEST(JobProbes, IterationsOfEachColourCount) {
   job.encode.method = Encoding::sgd;
   job.encode.target = EncodeTarget::render;
   job.encode.target_distances = {0.06};
+  job.trace.frames = 1;
   job.camera.distances = {0.06};
   const auto seconds_of = [&](int iterations) {
     job.encode.iterations = iterations;

@@ -19,8 +19,10 @@ namespace holotrace {
 
 /// How a field becomes levels: its phase; its modulus; its interference with a tilted reference beam; both phase and
 /// modulus (complex panels); two phases on alternate pixels; phases with error diffusion; iterated projections
-/// (Gerchberg–Saxton, plain or weighted); gradient descent through the panel and free space; or two levels.
+/// (Gerchberg–Saxton, plain or weighted); gradient descent through the panel and free space; or two levels. The
+/// automatic choice is that of run/choose.h for scenes, and `phase` for a field.
 enum class Encoding {
+  automatic,
   phase,
   amplitude,
   off_axis,
@@ -35,6 +37,7 @@ enum class Encoding {
 
 /// The methods' names in scene files, flags, reports and messages.
 inline constexpr std::initializer_list<Choice<Encoding>> encoding_names{
+    {"auto", Encoding::automatic},
     {"phase", Encoding::phase},
     {"amplitude", Encoding::amplitude},
     {"off-axis", Encoding::off_axis},
@@ -46,15 +49,32 @@ inline constexpr std::initializer_list<Choice<Encoding>> encoding_names{
     {"sgd", Encoding::sgd},
     {"binary", Encoding::binary}};
 
+/// The method, or another one if it is automatic.
+inline Encoding method_or(Encoding given, Encoding otherwise) {
+  return given == Encoding::automatic ? otherwise : given;
+}
+
 /// Start phase of iterations, and phase of a target picture: the field's own phase (0 for a picture), or random.
 enum class StartPhase { field, random };
 
 /// What iterations aim at: the modulus of the field on the panel, carried to the target planes; the light that the
-/// path tracer finds in the target planes (a focal stack); or that and what eyes anywhere before the panel see.
-enum class EncodeTarget { field, render, light_field };
+/// path tracer finds in the target planes (a focal stack); or that and what eyes anywhere before the panel see. The
+/// automatic choice is that of run/choose.h for scenes, and `field` for a field.
+enum class EncodeTarget { automatic, field, render, light_field };
 
-/// How much work a hologram of a scene is worth: numbers of frames, target planes and iterations (run/quality.h).
-enum class Quality { as_given, draft, good, best };
+/// The names of the targets.
+inline constexpr std::initializer_list<Choice<EncodeTarget>> target_names{{"auto", EncodeTarget::automatic},
+                                                                          {"field", EncodeTarget::field},
+                                                                          {"render", EncodeTarget::render},
+                                                                          {"light-field", EncodeTarget::light_field}};
+
+/// How much time a hologram of a scene is worth. It chooses the numbers of frames, target planes, iterations and light
+/// paths (run/choose.h); automatic: draft.
+enum class Quality { automatic, draft, good, best };
+
+/// The names of the qualities.
+inline constexpr std::initializer_list<Choice<Quality>> quality_names{
+    {"auto", Quality::automatic}, {"draft", Quality::draft}, {"good", Quality::good}, {"best", Quality::best}};
 
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
@@ -81,7 +101,7 @@ struct Eyebox {
 
 /// How the field on the panel becomes the levels of its pixels.
 struct EncodeParams {
-  Encoding method = Encoding::phase;           ///< what a pixel's level represents
+  Encoding method = Encoding::automatic;       ///< what a pixel's level represents
   ImageSide image = ImageSide::virtual_image;  ///< show U (virtual) or its conjugate (real)
   /// Tilt of the off-axis reference [rad]; both 0: sin = 3λ/8p in x, λ/4p without bias.
   double reference_angle_x = 0, reference_angle_y = 0;
@@ -92,13 +112,13 @@ struct EncodeParams {
   /// Half width of the camera's stop as a fraction of 1/2p; 0: 1, or 0.4 for double-phase and error-diffusion, which
   /// need one. 1: no stop.
   double stop = 0;
-  EncodeTarget target = EncodeTarget::field;  ///< what iterations aim at
-  Denoise denoise = Denoise::automatic;       ///< targets render, light-field: which are denoised
-  Quality quality = Quality::as_given;        ///< sgd, scenes: chooses frames, planes and iterations that are not given
-  std::vector<double> target_distances{};     ///< iterations: distances of the target planes from the panel [m], ≥ 0
-  std::vector<double> eye{};          ///< eyes that the light is for: x, y and z of each [m]; none: all that look
-  double pupil = 0;                   ///< diameter of their pupils [m]; 0: eye_pupil
-  std::vector<std::string> eyebox{};  ///< box about each eye: diameter, width and height, or "all"; none: eye_box
+  EncodeTarget target = EncodeTarget::automatic;  ///< what iterations aim at
+  Denoise denoise = Denoise::automatic;           ///< targets render, light-field: which are denoised
+  Quality quality = Quality::automatic;           ///< scenes: chooses frames, planes, iterations and paths not given
+  std::vector<double> target_distances{};  ///< iterations: distances of the target planes from the panel [m], ≥ 0
+  std::vector<double> eye{};               ///< eyes that the light is for: x, y and z of each [m]; none: all that look
+  double pupil = 0;                        ///< diameter of their pupils [m]; 0: eye_pupil
+  std::vector<std::string> eyebox{};       ///< box about each eye: diameter, width and height, or "all"; none: eye_box
   int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 16, or by quality
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
@@ -120,7 +140,8 @@ void describe(Visitor& v, EncodeParams& p) {
       "method", p.method, encoding_names,
       "what a pixel's level represents: the phase; the modulus (amplitude); the interference with a tilted reference "
       "(off-axis); both phase and modulus (complex); two phases on alternate pixels (double-phase); the phase with "
-      "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels (binary)");
+      "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels (binary); "
+      "auto: for scenes sgd, or phase if a parameter of waves is given; for fields phase; for focal stacks sgd");
   v.choice(
       "image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
       "field that is shown: U (virtual: the scene is behind the panel) or conj(U) (real: it focuses in front of it)");
@@ -141,20 +162,19 @@ void describe(Visitor& v, EncodeParams& p) {
       "stop", p.stop, range::fraction,
       "half width of the camera's stop as a fraction of 1/2p, for double-phase, error-diffusion and iterations; 1: "
       "no stop; 0: 0.4 for double-phase and error-diffusion, else 1");
-  v.choice(
-      "target", p.target,
-      {{"field", EncodeTarget::field}, {"render", EncodeTarget::render}, {"light-field", EncodeTarget::light_field}},
-      "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
-      "light in planes through the scene (render); that light and the views through pupils (light-field)");
+  v.choice("target", p.target, target_names,
+           "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
+           "light in planes through the scene (render); that light and the views through pupils (light-field); auto: "
+           "light-field for a camera with a pupil in front of the panel, else render");
   v.choice(
       "denoise", p.denoise, denoise_names,
       "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: where their noise "
       "is visible (auto); none; or all");
   v.choice(
-      "quality", p.quality,
-      {{"as-given", Quality::as_given}, {"draft", Quality::draft}, {"good", Quality::good}, {"best", Quality::best}},
-      "sgd, scenes: number of frames, target planes and iterations where none is given; draft: 4, 10, 50; good: 8, "
-      "16, 150; best: 16, 24, 300; as-given: the defaults of each");
+      "quality", p.quality, quality_names,
+      "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
+      "per pixel, where none is given; draft: 4, 10, 50, 64; good: 8, 16, 150, 128; best: 16, 24, 300, 256; auto: "
+      "draft; with draft, good or best the method is sgd");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
   v.lengths("eye", p.eye, range::any,

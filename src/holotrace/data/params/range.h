@@ -27,6 +27,7 @@ inline constexpr Range any{};
 inline constexpr Range positive{.low = 0, .is_low_open = true};
 inline constexpr Range not_negative{.low = 0};
 inline constexpr Range fraction{.low = 0, .high = 1};
+inline constexpr Range fraction_above_0{.low = 0, .high = 1, .is_low_open = true};
 inline constexpr Range half_angle{.low = 0, .high = std::numbers::pi / 2, .is_high_open = true};
 inline constexpr Range tilt{
     .low = -std::numbers::pi / 2, .high = std::numbers::pi / 2, .is_low_open = true, .is_high_open = true};

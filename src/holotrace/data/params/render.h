@@ -19,17 +19,20 @@ enum class Lens { pinhole, round, panel };
 /// Renders that a run compares its views with: none, of few paths, or of all.
 enum class Reference { none, quick, full };
 
+/// Light paths per pixel where none are given or chosen.
+inline constexpr int default_paths = 64;
+
 /// The picture of a scene seen by an eye in front of the panel.
 struct RenderParams {
-  int columns = 0, rows = 512;        ///< size of the picture [pixels]; columns 0: square
-  double field_of_view = 0;           ///< half angle over the height [rad]; 0: the panel's acceptance
+  int columns = 0, rows = 512;        ///< size of the picture [pixels]; columns 0: chosen, else square
+  double field_of_view = 0;           ///< half angle over the height [rad]; 0: chosen, else the panel's acceptance
   Vec3 eye{0, 0, 0};                  ///< position of the lens [m], on the panel or in front of it: z ≥ 0
   Lens lens = Lens::pinhole;          ///< aperture of the camera
   double pupil = 4e-3;                ///< diameter of the round lens [m]
   double focus = 0.3;                 ///< distance from the panel to the plane in focus [m]
   std::vector<double> focal_stack{};  ///< distances from the panel to planes [m]: a focal stack instead of a picture
   double eye_separation = 0;  ///< distance between two eyes along x, centred on `eye` [m]: a stereo pair; 0: one eye
-  int paths = 64;             ///< light paths per pixel
+  int paths = 0;              ///< light paths per pixel; 0: chosen, 64 for a single picture
   int max_depth = 8;          ///< largest number of surfaces on a light path
   int roulette_depth = 4;     ///< first surface at which roulette may end a light path
   double clamp = 0;           ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
@@ -41,12 +44,16 @@ struct RenderParams {
   int64_t seed = 1;                        ///< seed for all random numbers
 };
 
+/// Light paths per pixel of a picture.
+inline int paths_per_pixel(const RenderParams& params) { return params.paths > 0 ? params.paths : default_paths; }
+
 template <class Visitor>
 void describe(Visitor& v, RenderParams& p) {
-  v.count("columns", p.columns, range::not_negative, "width in pixels; 0: square");
+  v.count("columns", p.columns, range::not_negative,
+          "width in pixels; 0: in the shape of the sensor, or square if field_of_view is given");
   v.count("rows", p.rows, range::at_least(1), "height in pixels");
   v.angle("field_of_view", p.field_of_view, range::half_angle,
-          "half angle of view over the height; 0 deg: the panel's acceptance asin(lambda/2p)");
+          "half angle of view over the height; 0 deg: the window of the views");
   v.position("eye", p.eye, range::not_negative,
              "position of the lens, on the panel or in front of it (z of 0 m or more)");
   v.choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},
@@ -59,7 +66,7 @@ void describe(Visitor& v, RenderParams& p) {
       "one tracing");
   v.length("eye_separation", p.eye_separation, range::not_negative,
            "distance between two eyes along x, centred on eye; makes a stereo pair and its anaglyph; 0 m: one eye");
-  v.count("paths", p.paths, range::at_least(1), "light paths per pixel");
+  v.count("paths", p.paths, range::not_negative, "light paths per pixel; 0: as quality says for sgd, else 64");
   v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
   v.count(
       "roulette_depth", p.roulette_depth, range::at_least(1),

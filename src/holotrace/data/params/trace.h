@@ -33,11 +33,14 @@ enum class ShadowRays { each_surface, path_end };
 /// Amplitude of a wave as a function of the radiance L: √L, or L itself (the paper's Step 5).
 enum class AmplitudeLaw { sqrt, linear };
 
+/// Pixels along each side of the raster of first hits where none are given or chosen.
+inline constexpr int default_raster = 256;
+
 /// Where a scene's waves begin, and how much light is followed for each.
 struct TraceParams {
   Strategy strategy = Strategy::shared;               ///< what a traced sample lights
   Pattern pattern = Pattern::grid;                    ///< which rays look for first hits
-  int columns = 256, rows = 256;                      ///< pixels of the raster of first hits (grid)
+  int columns = 0, rows = 0;                          ///< pixels of the raster of first hits (grid); 0: chosen
   int64_t samples = 65536;                            ///< rays that look for first hits (random)
   int pixel_samples = 16;                             ///< S, rays from each panel pixel (gather)
   Directions directions = Directions::acceptance;     ///< directions of those rays (gather)
@@ -56,10 +59,14 @@ struct TraceParams {
   std::vector<std::string> path_expressions{};  ///< light path expressions; none: all light, "E.*L"
   bool separate_path_groups = false;            ///< one hologram per path expression
   bool separate_lights = false;                 ///< one hologram per light: lights do not interfere
-  int frames = 1;                               ///< M, holograms with independent phases, shown one after the other
+  int frames = 0;  ///< M, holograms with independent phases, shown one after the other; 0: chosen, 1 for waves
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
   int64_t seed = 1;                                 ///< seed for all random numbers
 };
+
+/// Size of the raster of first hits.
+inline int raster_columns(const TraceParams& params) { return params.columns > 0 ? params.columns : default_raster; }
+inline int raster_rows(const TraceParams& params) { return params.rows > 0 ? params.rows : default_raster; }
 
 template <class Visitor>
 void describe(Visitor& v, TraceParams& p) {
@@ -70,16 +77,19 @@ void describe(Visitor& v, TraceParams& p) {
   v.choice(
       "pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
       "rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance");
-  v.count("columns", p.columns, range::at_least(1), "columns of the raster");
-  v.count("rows", p.rows, range::at_least(1), "rows of the raster");
+  v.count("columns", p.columns, range::not_negative,
+          "columns of the raster; 0: as many as the panel resolves in the window of the views, 256 or more");
+  v.count("rows", p.rows, range::not_negative, "rows of the raster; 0: as for columns");
   v.count("samples", p.samples, range::from_to(1, 0x1p40), "random: number of rays");
   v.count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from each panel pixel");
   v.choice("directions", p.directions, {{"acceptance", Directions::acceptance}, {"hemisphere", Directions::hemisphere}},
            "gather: directions of the rays: those that the panel accepts, or the whole hemisphere");
   v.count("tile_columns", p.tile_columns, range::at_least(1), "tiled: number of tiles across the panel");
   v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: number of tiles down the panel");
-  v.angle("field_of_view", p.field_of_view, range::half_angle,
-          "half angle of the raster; 0 deg: the panel's acceptance asin(lambda/2p)");
+  v.angle(
+      "field_of_view", p.field_of_view, range::half_angle,
+      "half angle of the raster; 0 deg: the window of the views if columns and rows are 0, else the panel's acceptance "
+      "asin(lambda/2p)");
   v.flag(
       "common_cone", p.has_common_cone,
       "limit all wavelengths to the cone of the shortest, which avoids a coloured rim; false: each uses its own cone");
@@ -114,7 +124,8 @@ void describe(Visitor& v, TraceParams& p) {
   v.flag("separate_path_groups", p.separate_path_groups, "one hologram for each path expression; false: one for all");
   v.flag("separate_lights", p.separate_lights,
          "one hologram for each light; their images are added without interference");
-  v.count("frames", p.frames, range::at_least(1), "holograms with independent phases, shown one after the other");
+  v.count("frames", p.frames, range::not_negative,
+          "holograms with independent phases, shown one after the other; 0: as quality says for sgd, else 1");
   v.choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
       "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");

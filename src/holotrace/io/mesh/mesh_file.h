@@ -13,6 +13,7 @@ struct LoadedModel {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<std::string> warnings;  ///< features that the file asks for and that are not shown
+  bool is_of_points = false;          ///< its surfaces are those around the points of a file without faces
 };
 
 /// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb, and .stl, .off, .dae, .3ds and .fbx.
@@ -27,7 +28,7 @@ bool is_mesh_file(const std::string& path);
 /// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
 /// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse
 ///   texture beside the file, as Assimp reads them.
-/// - PLY: faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
+/// - PLY: points without faces become small surfaces (io/mesh/point_solids.h). Faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
 /// @param outside  whether the files that it names may lie outside its folder

@@ -5,6 +5,7 @@
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/ply.h"
 #include "holotrace/io/mesh/mesh_formats.h"
+#include "holotrace/io/mesh/point_solids.h"
 #include "holotrace/io/picture/image_file.h"
 
 namespace holotrace {
@@ -123,9 +124,12 @@ LoadedModel load_ply_mesh(const std::string& path) {
     require(vertices.count % 3 == 0, "{}: expected three vertices per face, got {} vertices", path, vertices.count);
     for (uint32_t i = 0; i < vertices.count; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
   }
-  require(!mesh.triangles.empty(), "{}: expected a mesh with triangles, got {}", path,
-          vertices.find("amplitude") && vertices.find("phase") ? kind_of_file(path) : "none");
+  const bool has_waves = vertices.find("amplitude") && vertices.find("phase");
+  require(!mesh.triangles.empty() || !has_waves, "{}: expected a mesh with triangles, got {}", path,
+          kind_of_file(path));
   read_colours(vertices, mesh, model.warnings);
+  model.is_of_points = mesh.triangles.empty();
+  if (model.is_of_points) add_point_solids(vertices, std::vector<Vec3>(mesh.colours), mesh, model.warnings);
   if (!mesh.colours.empty()) model.materials[0] = DiffuseMaterial{{1, 1, 1}};  // vertex colours only
   model.meshes.push_back(std::move(mesh));
   return model;

@@ -1,71 +1,230 @@
 #include "holotrace/io/scene/model_job.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/rotation.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/scene_colours.h"
 #include "holotrace/data/shapes.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/mesh/mesh_file.h"
-#include "holotrace/io/scene/slm_file.h"
+#include "holotrace/io/scene/model_front.h"
 
 namespace holotrace {
 namespace {
 
 using namespace literals;
 
-constexpr double model_size = 7_mm, model_depth = 200_mm;
+constexpr double depth_in_widths = 300.0 / 15.36, elevation = 18_deg;
+constexpr double floor_full = 0.7, floor_seen = 1.1, floor_end = 1.6;  // radii, in those of the model
 
-// The uniform scale and the shift that give the model its size and position.
-Frame placing(const std::vector<Mesh>& meshes, const std::string& path) {
-  Vec3 low = meshes.front().positions.front(), high = low;
-  for (const Mesh& mesh : meshes)
-    for (const Vec3 p : mesh.positions) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  const double largest = max_component(high - low);
-  require(largest > 0, "{}: expected a model with an extent, got a single point", path);
-  const double scale = model_size / largest;
-  return {{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, (low + high) * (-0.5 * scale) + Vec3{0, 0, -model_depth}};
+struct ModelBounds {
+  Vec3 low, high;
+  Vec3 middle() const { return (low + high) * 0.5; }
+};
+
+ModelBounds bounds_of(const std::vector<Vec3>& places) {
+  ModelBounds bounds{places.front(), places.front()};
+  for (const Vec3 p : places) {
+    bounds.low = {std::min(bounds.low.x, p.x), std::min(bounds.low.y, p.y), std::min(bounds.low.z, p.z)};
+    bounds.high = {std::max(bounds.high.x, p.x), std::max(bounds.high.y, p.y), std::max(bounds.high.z, p.z)};
+  }
+  return bounds;
 }
 
-// A square lamp above left in front of the model, facing it. Its radiance L lights a white surface that faces it
-// to L·A·cos/(π·d²) = 0.7, with A its area, d its distance, and cos = 1.
-RectangleLight key_light() {
-  constexpr double side = 60_mm, white = 0.7;
-  const Vec3 model{0, 0, -model_depth}, middle = model + Vec3{-80_mm, 100_mm, 150_mm};
-  const Vec3 way = model - middle, towards = normalize(way);
+Frame upright(UpAxis up) {
+  switch (up) {
+    case UpAxis::minus_y:
+      return rotation_x(pi);
+    case UpAxis::z:
+      return rotation_x(-pi / 2);
+    case UpAxis::minus_z:
+      return rotation_x(pi / 2);
+    case UpAxis::x:
+      return rotation_z(pi / 2);
+    case UpAxis::minus_x:
+      return rotation_z(-pi / 2);
+    case UpAxis::y:
+      break;
+  }
+  return {};
+}
+
+Frame turns_of(const std::vector<std::string>& rotation) {
+  Frame turns;
+  for (const std::string& text : rotation) {
+    const size_t first = text.find_first_not_of(' ');
+    const auto turn = parse_rotation(first == std::string::npos ? "" : text.substr(first));
+    require(turn.has_value(),
+            "expected turns about axes for the rotation of the model, such as \"y 30 deg, x 10 deg\", got \"{}\"",
+            text);
+    turns = compose(*turn, turns);
+  }
+  return turns;
+}
+
+// A view from the right of the front, which is +z, or where the model shows most.
+Frame view_of_front(const std::vector<Mesh>& meshes, bool has_front) {
+  std::vector<double> turns{-30_deg};
+  if (!has_front)
+    for (const double turn : {30_deg, 60_deg, 120_deg, 150_deg, 210_deg, 240_deg, 300_deg}) turns.push_back(turn);
+  return rotation_y(turn_that_shows_most(meshes, turns, rotation_x(elevation)));
+}
+
+void move(const Frame& frame, std::vector<Mesh>& meshes) {
+  for (Mesh& mesh : meshes) transform_mesh(frame, mesh);
+}
+
+Frame shift(Vec3 by) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by}; }
+Frame scale(double factor) { return {{factor, 0, 0}, {0, factor, 0}, {0, 0, factor}, {}}; }
+
+std::vector<Vec3> places_of(const std::vector<Mesh>& meshes) {
+  std::vector<Vec3> places;
+  for (const Mesh& mesh : meshes) places.insert(places.end(), mesh.positions.begin(), mesh.positions.end());
+  return places;
+}
+
+// Radius of the smallest upright cylinder about the y axis that holds all places.
+double radius_of(const std::vector<Vec3>& places) {
+  double radius = 0;
+  for (const Vec3 p : places) radius = std::max(radius, std::hypot(p.x, p.z));
+  return radius;
+}
+
+// A disc in the xz plane of grey that is 1 within `full` and falls to 0 at `end`, smoothly (a cosine).
+Mesh fading_disc(double full, double end) {
+  constexpr uint32_t sectors = 96, rings = 48;
+  Mesh disc;
+  disc.name = "floor";
+  const auto add = [&](Vec3 place, double grey) {
+    disc.positions.push_back(place);
+    disc.normals.push_back({0, 1, 0});
+    disc.colours.push_back(Vec3{1, 1, 1} * grey);
+  };
+  add({0, 0, 0}, 1);
+  for (uint32_t ring = 1; ring <= rings; ++ring)
+    for (uint32_t sector = 0; sector < sectors; ++sector) {
+      const double radius = end * ring / rings, angle = 2 * pi * sector / sectors;
+      const double along = std::clamp((radius - full) / (end - full), 0.0, 1.0);
+      add({radius * std::cos(angle), 0, -radius * std::sin(angle)}, 0.5 + 0.5 * std::cos(pi * along));
+    }
+  const auto index = [&](uint32_t ring, uint32_t sector) { return 1 + (ring - 1) * sectors + sector % sectors; };
+  for (uint32_t sector = 0; sector < sectors; ++sector) {
+    disc.triangles.push_back({0, index(1, sector), index(1, sector + 1)});
+    for (uint32_t ring = 1; ring < rings; ++ring) {
+      disc.triangles.push_back({index(ring, sector), index(ring + 1, sector), index(ring + 1, sector + 1)});
+      disc.triangles.push_back({index(ring, sector), index(ring + 1, sector + 1), index(ring, sector + 1)});
+    }
+  }
+  return disc;
+}
+
+// A square lamp that faces a place from an offset. Its radiance L lights a surface there that faces it with E = L·A/d²:
+// `white` is the radiance of a white one, E/π.
+RectangleLight lamp(Vec3 place, Vec3 offset, double side, double white) {
+  const Vec3 towards = normalize(offset * -1.0);
   const Vec3 u = normalize(cross(Vec3{0, 1, 0}, towards)) * side, v = normalize(cross(towards, u)) * side;
-  const double radiance = white * pi * dot(way, way) / (side * side);
-  return {middle - u * 0.5 - v * 0.5, u, v, Vec3{1, 1, 1} * radiance};
+  const double radiance = white * pi * dot(offset, offset) / (side * side);
+  return {place + offset - u * 0.5 - v * 0.5, u, v, Vec3{1, 1, 1} * radiance, false};
+}
+
+// Distances of the nearest and the farthest surface that faces the panel, without the outer hundredths of the area.
+std::vector<double> surface_distances(const std::vector<Mesh>& meshes) {
+  std::vector<std::pair<double, double>> parts;  // distance, area seen
+  double total = 0;
+  for (const Mesh& mesh : meshes)
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Vec3 p = mesh.positions[a], q = mesh.positions[b], r = mesh.positions[c];
+      const double area = cross(q - p, r - p).z / 2;
+      if (area <= 0) continue;
+      parts.emplace_back(-(p.z + q.z + r.z) / 3, area);
+      total += area;
+    }
+  if (parts.empty()) return {};
+  std::sort(parts.begin(), parts.end());
+  const auto at = [&](double part) {
+    double sum = 0;
+    for (const auto& [distance, area] : parts)
+      if ((sum += area) >= part * total) return distance;
+    return parts.back().first;
+  };
+  return {at(0.02), at(0.98)};
+}
+
+// Two places of focus, or one if both are within the depth of focus 2λ(d/w)².
+std::vector<double> focus_of(const std::vector<Mesh>& meshes, double distance, const Slm& slm, double wavelength) {
+  const std::vector<double> ends = surface_distances(meshes);
+  if (ends.empty()) return {distance};
+  const double in_focus = 2 * wavelength * std::pow(distance / std::max(slm.grid.width(), slm.grid.height()), 2);
+  if (ends[1] - ends[0] < in_focus) return {(ends[0] + ends[1]) / 2};
+  return ends;
 }
 
 }  // namespace
 
-Job job_for_model(const std::string& path, Outside outside) {
+Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params, Outside outside) {
+  check_ranges(params);
   LoadedModel model = load_meshes(path, outside);
-  const Frame frame = placing(model.meshes, path);
-  for (Mesh& mesh : model.meshes) transform_mesh(frame, mesh);
+  const Grid& panel = slm.grid;
+  const double distance = depth_in_widths * panel.width();
+  move(upright(params.up), model.meshes);
+  require(!model.meshes.empty(), "{}: expected a model with triangles or points, got none", path);
+  const std::string extension = extension_of(path);
+  const bool has_front = extension == ".glb" || extension == ".gltf";
+  if (!params.rotation.empty())
+    move(turns_of(params.rotation), model.meshes);
+  else if (!model.is_of_points)  // many scans show one side, +z
+    move(view_of_front(model.meshes, has_front), model.meshes);
+
+  // On the floor, which is y = 0 here, about the axis of the model.
+  std::vector<Vec3> places = places_of(model.meshes);
+  const ModelBounds standing = bounds_of(places);
+  require(max_component(standing.high - standing.low) > 0, "{}: expected a model with an extent, got a single point",
+          path);
+  const Vec3 foot{standing.middle().x, standing.low.y, standing.middle().z};
+  move(shift(foot * -1.0), model.meshes);
+  for (Vec3& p : places) p = p - foot;
+  const double radius = std::max(radius_of(places), 0.1 * standing.high.y - 0.1 * standing.low.y);
+  const bool has_floor = params.floor == ModelFloor::round;
   Job job;
   job.scene.materials = std::move(model.materials);
+  if (has_floor) {
+    Mesh floor = fading_disc(floor_full * radius, floor_end * radius);
+    floor.material = int(job.scene.materials.size());
+    job.scene.materials.push_back(DiffuseMaterial{{0.5, 0.5, 0.5}});
+    model.meshes.push_back(std::move(floor));
+    for (int i = 0; i < 16; ++i)
+      places.push_back(Vec3{std::cos(pi * i / 8), 0, std::sin(pi * i / 8)} * (floor_seen * radius));
+  }
+
+  // Seen from above, in the middle of the view.
+  const Frame view = rotation_x(elevation);
+  for (Vec3& p : places) p = transform_vector(view, p);
+  const ModelBounds seen = bounds_of(places);
+  const Vec3 size = seen.high - seen.low;
+  const double factor = params.fit / std::max(size.x / panel.width(), size.y / panel.height());
+  const Vec3 middle{0, 0, -distance};
+  move(compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view))), model.meshes);
+
+  const double reach = 0.67 * distance;  // of the lamps
+  job.scene.lights = {lamp(middle, Vec3{-0.40, 0.55, 0.73} * reach, 0.4 * reach, 0.85),
+                      lamp(middle, Vec3{0.80, 0.20, 0.56} * reach, 0.7 * reach, 0.2)};
+  job.scene.background = {0.15, 0.15, 0.15};
+  job.render.has_background = false;  // it lights the model, which stands before black
+  job.slm = slm;
   job.scene.meshes = std::move(model.meshes);
-  job.scene.lights = {key_light()};
-  job.scene.background = {0.3, 0.3, 0.3};
   job.warnings = std::move(model.warnings);
-  job.wavelengths = {532_nm};
-  job.slm = slm_preset("pluto");
-  job.trace.columns = 1024, job.trace.rows = 768;  // waves 13 × 17 µm apart, about the panel's resolution there
-  job.trace.paths = 16;
-  double front = -model_depth;
-  for (const Mesh& mesh : job.scene.meshes)
-    for (const Vec3 p : mesh.positions) front = std::max(front, p.z);
-  job.camera.distances = {model_depth};
-  if (front + model_depth > 0.2_mm) job.camera.distances = {-front, model_depth};  // more than the depth of focus there
-  job.render.focus = model_depth;
-  job.render.paths = 32;
-  job.encode.method = Encoding::sgd;
-  job.encode.target = EncodeTarget::render;
-  job.encode.quality = Quality::draft;
+  choose_wavelengths(job);
+  const size_t own = job.scene.meshes.size() - (has_floor ? 1 : 0);
+  job.camera.distances = focus_of({job.scene.meshes.begin(), job.scene.meshes.begin() + std::ptrdiff_t(own)}, distance,
+                                  slm, job.wavelengths.front());
+  job.render.focus = job.camera.distances.front();
   check_scene(job.scene);
   return job;
 }

@@ -11,6 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/renamed.h"
 #include "holotrace/data/path_expression.h"
+#include "holotrace/data/scene_colours.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/scene/model_job.h"
@@ -39,6 +40,7 @@ void check_path_expressions(TomlTable& root, const char* section, const std::vec
 }
 
 std::vector<double> read_wavelengths(TomlTable& root) {
+  if (!root.has("wavelength")) return {};  // the scene's colours say which
   std::vector<double> wavelengths(1);
   if (root.toml().get("wavelength")->is_array())
     root.lengths("wavelength", wavelengths, range::positive);
@@ -66,7 +68,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
                               "render", "synthesize", "encode", "show", "propagate", "camera"})
     root.know(section);
-  root.require_key("wavelength");
+  root.know("wavelength");
   root.refuse_unknown_keys();
 
   job.wavelengths = read_wavelengths(root);
@@ -85,6 +87,8 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   if (auto shapes = root.table("shape")) objects.add_shapes(*shapes);
   for (const TomlTable& object : root.tables("object")) objects.add_object(object);
   objects.check_unused_shapes();
+
+  if (job.wavelengths.empty()) choose_wavelengths(job);
 
   read_params(root, "trace", job.trace);
   read_params(root, "render", job.render);
@@ -182,8 +186,8 @@ Slm slm_of_table(const toml::table& table) {
   return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "", own_effects);
 }
 
-Job load_job(const std::string& path, Outside outside) {
-  if (is_mesh_file(path)) return job_for_model(path, outside);
+Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm) {
+  if (is_mesh_file(path)) return job_for_model(path, load_slm(slm.empty() ? "pluto" : slm), model, outside);
   check_file_exists(path, "a scene file");
   require(extension_of(path) == ".toml" || (is_text_file(path) && extension_of(path) != ".json"),
           "{}: expected a scene .toml or a model such as .obj or .glb, got {}", path, kind_of_file(path));
@@ -192,6 +196,7 @@ Job load_job(const std::string& path, Outside outside) {
   TomlTable root(parsed, files, "the scene file");
   Job job = read_job(root, path, outside);
   job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());
+  if (!slm.empty()) job.slm = load_slm(slm);
   return job;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "holotrace/data/job.h"
+#include "holotrace/data/params/model.h"
 #include "holotrace/io/files/outside.h"
 
 namespace holotrace {
@@ -13,9 +14,12 @@ namespace holotrace {
 /// `extends = "other.toml"` it is that scene with this file's tables merged over it, key by key; a list of
 /// tables ([[object]], …) replaces the other's list.
 /// @param outside  whether models may name files outside their own folders; a scene itself may name any
+/// @param model    how a file of meshes is shown
+/// @param slm      panel in place of the scene's, or of `pluto` for a file of meshes, as load_slm takes it; "": theirs
 /// @throws Error starting with file:line:column for values that are missing, unknown (naming the nearest known
 ///         name), without a unit, out of range, or in front of the panel
-Job load_job(const std::string& path, Outside outside = Outside::refused);
+Job load_job(const std::string& path, Outside outside = Outside::refused, const ModelParams& model = {},
+             const std::string& slm = "");
 
 /// Reads a panel: by name (slm_preset), from the [slm] of a scene file, or from a panel file, which has the keys of
 /// [slm] and no tables. @throws Error as slm_preset and load_job do

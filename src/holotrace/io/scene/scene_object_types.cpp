@@ -70,6 +70,9 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
     if (type == "textured_quad" || object.has("texture")) {
       object.require_key("texture");
       const Image texture = read_image(object, "texture");
+      require(!job_.wavelengths.empty(),
+              "{}expected the key \"wavelength\" of a scene whose points take their light from a texture, got none",
+              object.where("texture"));
       if (job_.wavelengths.size() > 1 && texture.channels > 1)
         job_.warnings.push_back(
             fmt::format("{}points have one amplitude at all wavelengths, the texture is taken at {}",

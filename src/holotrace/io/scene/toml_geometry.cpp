@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "holotrace/base/rotation.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/scene/toml_table.h"
 
@@ -92,18 +93,14 @@ void TomlTable::rotation(const char* key, Frame& value) {
     const auto text = item.value_exact<std::string>();
     const char* expected = "an axis and an angle, such as \"y 30 deg\",";
     if (!text) fail_kind(key, expected, item);
-    if (text->size() < 3 || std::string_view("xyz").find((*text)[0]) == std::string_view::npos || (*text)[1] != ' ')
-      fail_kind(key, expected, item);
-    double angle = 0;
+    std::optional<Frame> step;
     try {
-      angle = parse_angle(std::string_view(*text).substr(2));
+      step = parse_rotation(*text);
     } catch (const Error& e) {
       fail("{}{} for \"{}\"", place(item.source()), e.what(), key);
     }
-    const Frame step = (*text)[0] == 'x'   ? rotation_x(angle)
-                       : (*text)[0] == 'y' ? rotation_y(angle)
-                                           : rotation_z(angle);
-    value = compose(step, value);
+    if (!step) fail_kind(key, expected, item);
+    value = compose(*step, value);
   };
   if (const toml::array* items = node->as_array())
     for (const toml::node& item : *items) turn(item);

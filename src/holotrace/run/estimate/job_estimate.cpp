@@ -14,11 +14,11 @@
 #include "holotrace/estimate/grid_cost.h"
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/estimate/machine/probes.h"
+#include "holotrace/run/choose.h"
 #include "holotrace/run/estimate/display_probe.h"
 #include "holotrace/run/estimate/synthesis_probe.h"
 #include "holotrace/run/estimate/trace_probe.h"
 #include "holotrace/run/pipeline.h"
-#include "holotrace/run/quality.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
@@ -147,7 +147,7 @@ double JobEstimate::seconds_of(const std::string& prefix) const {
 }
 
 JobEstimate estimate_job(const Job& given) {
-  const Job job = with_quality(given);
+  const Job job = choose_missing(given);
   JobEstimate e;
   e.probe_seconds = median_seconds(1, [&] {
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));

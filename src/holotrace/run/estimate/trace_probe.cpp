@@ -19,7 +19,7 @@ bool has_triangles(const Job& job) { return job.synthesize.method == SynthesisMe
 double first_rays(const Job& job) {
   if (job.trace.strategy == Strategy::gather) return double(job.slm.grid.pixels());
   if (job.trace.pattern == Pattern::random) return double(job.trace.samples);
-  return double(job.trace.columns) * job.trace.rows;
+  return double(raster_columns(job.trace)) * raster_rows(job.trace);
 }
 
 Job with_rays(Job job, double part) {
@@ -33,8 +33,9 @@ Job with_rays(Job job, double part) {
     job.slm.grid.nx = scaled(job.slm.grid.nx);
     job.slm.grid.ny = scaled(job.slm.grid.ny);
   }
-  job.trace.columns = scaled(job.trace.columns);
-  job.trace.rows = scaled(job.trace.rows);
+  const int columns = raster_columns(job.trace), rows = raster_rows(job.trace);
+  job.trace.columns = scaled(columns);
+  job.trace.rows = scaled(rows);
   job.trace.samples = std::max<int64_t>(1, std::llround(double(job.trace.samples) * part));
   return job;
 }

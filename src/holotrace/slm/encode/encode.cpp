@@ -117,8 +117,10 @@ double short_range_efficiency(double range) {
   return amplitude * amplitude;
 }
 
-Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& params, const Observer& observer) {
+Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& given, const Observer& observer) {
   const Field& head = field.head();
+  EncodeParams params = given;
+  params.method = method_or(given.method, Encoding::phase);
   check_encode_params(slm, params);
   require_grid_of(slm, head.grid, "field");
   if (aims_at_targets(params.method)) {

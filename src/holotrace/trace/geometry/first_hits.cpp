@@ -68,8 +68,8 @@ FirstHits::FirstHits(const TraceParams& params, const Grid& panel, double wavele
     : pattern_(params.pattern),
       panel_(panel),
       wavelength_(wavelength),
-      columns_(params.columns),
-      rows_(params.rows),
+      columns_(raster_columns(params)),
+      rows_(raster_rows(params)),
       count_(pattern_ == Pattern::grid ? int64_t(columns_) * rows_ : params.samples),
       pairing_(std::max<int64_t>(count_, 1), CounterRandom(uint64_t(params.seed), 0, pairing_sample)) {
   if (pattern_ == Pattern::grid) {

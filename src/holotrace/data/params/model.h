@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "holotrace/data/params/choice.h"
+
+// model: a file of a model → Job
+
+namespace holotrace {
+
+/// The axis of a model's own coordinates that points up.
+enum class UpAxis { y, minus_y, z, minus_z, x, minus_x };
+
+/// What a model stands on: a round floor whose light fades towards its edge, or nothing.
+enum class ModelFloor { round, none };
+
+/// How a model without a scene is shown.
+struct ModelParams {
+  UpAxis up = UpAxis::y;
+  std::vector<std::string> rotation{};  ///< turns of the upright model on its floor, one after the other; none: chosen
+  double fit = 0.8;                     ///< part of the view's width or height that the model takes
+  ModelFloor floor = ModelFloor::round;
+};
+
+template <class Visitor>
+void describe(Visitor& v, ModelParams& p) {
+  v.choice("up", p.up,
+           {{"y", UpAxis::y},
+            {"-y", UpAxis::minus_y},
+            {"z", UpAxis::z},
+            {"-z", UpAxis::minus_z},
+            {"x", UpAxis::x},
+            {"-x", UpAxis::minus_x}},
+           "models: axis of the file that points up");
+  v.texts(
+      "rotation", p.rotation,
+      "models: turns of the upright model about its axes, one after the other, such as \"y 90 deg, x 10 deg\"; empty: "
+      "y -30 deg if its format says that z is its front (glTF), else one of eight turns, the one that shows most");
+  v.number("fit", p.fit, range::fraction_above_0, "models: part of the view's width or height that the model takes");
+  v.choice("floor", p.floor, {{"round", ModelFloor::round}, {"none", ModelFloor::none}},
+           "models: what the model stands on: a round floor that fades towards its edge, or nothing");
+}
+
+}  // namespace holotrace
