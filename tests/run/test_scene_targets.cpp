@@ -35,22 +35,44 @@ Job two_squares() {
   return job;
 }
 
-TEST(SceneTargets, PlanesGoThroughTheDepthOfTheScene) {
+// One depth of focus in 1/distance: 2λ/w² with w = 1.28 mm.
+constexpr double depth_of_focus = 2 * test_wavelength / (1.28e-3 * 1.28e-3);
+
+TEST(SceneTargets, PlanesGoOneDepthOfFocusBeyondTheSceneAndIncludeThoseOfTheCamera) {
   Job job = two_squares();
   job.encode.planes = 3;
-  const std::vector<double> distances = target_distances_of(job);
-  ASSERT_EQ(distances.size(), 3u);
-  EXPECT_NEAR(distances[0], 0.02, 1e-9);
-  EXPECT_NEAR(distances[2], 0.024, 1e-9);
-  EXPECT_NEAR(1 / distances[1], (1 / 0.02 + 1 / 0.024) / 2, 1e-6);  // evenly spaced in 1/distance
-  // The squares are 8.33/m apart in 1/distance; a depth of focus is 2λ/w² with w = 1.28 mm, 0.649/m: 13 steps, 14 planes.
+  const double near = 1 / 0.02 + depth_of_focus, far = 1 / 0.024 - depth_of_focus;
+  const std::vector<double> few = target_distances_of(job);
+  ASSERT_EQ(few.size(), 4u);
+  EXPECT_NEAR(few[0], 1 / near, 1e-7);
+  EXPECT_EQ(few[1], 0.02);                          // the camera's
+  EXPECT_NEAR(1 / few[2], (near + far) / 2, 1e-3);  // evenly spaced in 1/distance
+  EXPECT_NEAR(few[3], 1 / far, 1e-7);
+  // 9.63/m in steps of at most 0.649/m: 15 steps, 16 planes, of which the second is nearly that of the camera and becomes it.
   job.encode.planes = 100;
-  EXPECT_EQ(target_distances_of(job).size(), 14u);
+  const std::vector<double> all = target_distances_of(job);
+  EXPECT_EQ(all.size(), 16u);
+  EXPECT_EQ(all[1], 0.02);
+  for (size_t i = 1; i < all.size(); ++i) EXPECT_LE(1 / all[i - 1] - 1 / all[i], 1.1 * depth_of_focus);
   job.encode.target_distances = {0.021};
   EXPECT_EQ(target_distances_of(job), (std::vector<double>{0.021}));
   job.encode.target_distances = {};
   job.scene = {};
   EXPECT_THROW(target_distances_of(job), Error);
+}
+
+TEST(SceneTargets, WarnOfPlanesThatAreFartherApartThanTheDepthOfFocus) {
+  Job job = two_squares();
+  const auto warnings = [&](std::vector<double> distances) {
+    job.encode.target_distances = std::move(distances);
+    Heard heard;
+    warn_of_sparse_planes(job, heard.observer());
+    return heard.warnings;
+  };
+  EXPECT_TRUE(warnings({0.02, 1 / (1 / 0.02 - depth_of_focus)}).empty());
+  const std::vector<std::string> sparse = warnings({0.024, 0.02});  // 8.33/m, 12.8 times as much
+  ASSERT_EQ(sparse.size(), 1u);
+  EXPECT_TRUE(sparse.front().starts_with("the target planes at 20 mm and 24 mm are 12.8 depths of focus")) << sparse[0];
 }
 
 // A luminous square of side 0.3 mm at 20 mm looks toward a mirror at 30 mm: its image is at 40 mm.
@@ -69,21 +91,22 @@ TEST(SceneTargets, PlanesGoThroughImagesInMirrorsToo) {
   Job job = square_before_a_mirror();
   job.encode.planes = 100;
   const std::vector<double> distances = target_distances_of(job);
-  // The surfaces, at 20 and 30 mm, are 16.7/m apart: 26 steps of 0.649/m (as above), 27 planes. All of the image is in one plane.
-  ASSERT_EQ(distances.size(), 28u);
-  EXPECT_NEAR(distances.front(), 0.02, 1e-6);
-  EXPECT_NEAR(distances[26], 0.03, 1e-6);
-  EXPECT_NEAR(distances.back(), 0.04, 1e-6);
+  // The surfaces, at 20 and 30 mm, are 16.7/m apart, with a depth of focus at both ends 18.0/m: 28 steps of 0.649/m, 29 planes.
+  // The image has a plane on either side of its own.
+  ASSERT_EQ(distances.size(), 32u);
+  EXPECT_NEAR(distances.front(), 1 / (1 / 0.02 + depth_of_focus), 1e-6);
+  EXPECT_NEAR(distances[28], 1 / (1 / 0.03 - depth_of_focus), 1e-6);
+  EXPECT_NEAR(distances[30], 0.04, 1e-6);
   job.encode.planes = 4;
   const std::vector<double> few = target_distances_of(job);
-  ASSERT_EQ(few.size(), 4u);
-  EXPECT_NEAR(few[2], 0.03, 1e-6);
-  EXPECT_NEAR(few.back(), 0.04, 1e-6);
+  ASSERT_EQ(few.size(), 5u);  // with the camera's
+  EXPECT_NEAR(few[2], 1 / (1 / 0.03 - depth_of_focus), 1e-6);
+  EXPECT_NEAR(few.back(), 1 / (1 / 0.04 - depth_of_focus), 1e-6);
   job.encode.planes = 1;  // in the middle of all, in 1/distance
-  EXPECT_NEAR(target_distances_of(job).front(), 2 / (1 / 0.02 + 1 / 0.04), 1e-6);
+  EXPECT_NEAR(target_distances_of(job).back(), 2 / (1 / 0.02 + 1 / 0.04), 1e-6);
   job.scene.materials[1].surface = DiffuseMaterial{};  // without a mirror there is no image
   job.encode.planes = 100;
-  EXPECT_EQ(target_distances_of(job).size(), 27u);
+  EXPECT_EQ(target_distances_of(job).size(), 29u);
 }
 
 TEST(SceneTargets, AmplitudeIsTheRootOfTheRadiance) {
@@ -94,12 +117,13 @@ TEST(SceneTargets, AmplitudeIsTheRootOfTheRadiance) {
   ASSERT_EQ(set.planes.size(), 2u);
   EXPECT_EQ(set.planes[0].z, -0.02);
   EXPECT_FALSE(set.draw_views);
-  // In the middle of the near square, 19 pixels from its edges, there is its radiance of 1 but for the light that the
-  // aperture diffracts beyond the edges: 1/(2π²·19·c) of each of four edges, c = w/λd = 0.98 cycles per pixel: 1 %.
+  // In the middle of the near square there is its radiance of 1, to the rounding of floats, and black beside it: nothing is
+  // blurred. A pixel at its edge shares its light: 37.5 pixels are 0.3 mm.
   const Grid& grid = job.slm.grid;
   const int column = int(std::lround((-2e-4 - grid.x(0)) / grid.pitch));
-  EXPECT_NEAR(set.planes[0].amplitude(60, column), 1, 0.02);
-  EXPECT_LT(set.planes[0].amplitude(5, column), 0.1);  // above the square
+  EXPECT_NEAR(set.planes[0].amplitude(60, column), 1, 1e-5);
+  EXPECT_NEAR(set.planes[0].amplitude(60 - 17, column), 1, 1e-5);
+  EXPECT_EQ(set.planes[0].amplitude(60 - 21, column), 0);
 }
 
 TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
@@ -123,10 +147,12 @@ TEST(SceneTargets, ViewsSendTheLightOfTheirPupil) {
   // In the middle of the near square: a 2 mm pupil at 300 mm is a disc of 2 mm·20/320 = 0.125 mm on the panel, 0.0100 of
   // the 1.28 × 0.96 mm that a place on the axis sees. The pupil's Airy radius is 0.104 mm, so about 7 % of the light of a
   // square of 0.3 mm is missing in its middle, and there is as much uncertainty in that.
-  const TargetPlane view = view_target(targets, job, {{0, 0, 0.3}, 2e-3}, 0.02, test_wavelength);
+  const Pupil pupil{{0, 0, 0.3}, 2e-3};
   const Grid& grid = job.slm.grid;
+  const ViewTargets view = views_of(light_for_pupil(*targets.light_field, test_wavelength, 2e-3, 0.3), job, 0.02,
+                                    test_wavelength, {pupil}, grid, grid);
   const int column = int(std::lround((-2e-4 - grid.x(0)) / grid.pitch));
-  EXPECT_NEAR(std::pow(view.amplitude(60, column), 2), 0.0100 * 0.93, 0.0007);
+  EXPECT_NEAR(std::pow(view.amplitudes[0](60, column), 2), 0.0100 * 0.93, 0.0007);
   // Its plane: the part of the panel within 0.665 mm of that place is 1.105 mm wide.
   EXPECT_NEAR(std::pow(set.planes[0].amplitude(60, column), 2), 1.105 / 1.28, 0.03);
 }
@@ -209,61 +235,122 @@ TEST(SceneTargets, JointHologramsShowAllColours) {
   EXPECT_THROW(check_job(job), Error);
 }
 
-// A light field of the squares, for an eye with a pupil of 0.5 mm.
+// The squares for an eye with a pupil of 0.5 mm.
 Job squares_for_an_eye() {
   Job job = two_squares();
-  job.encode.target = EncodeTarget::light_field;
-  job.encode.planes = 2;
-  job.trace.frames = 2;
-  job.camera.eye = {1e-4, -5e-5, 0.02};
-  job.camera.pupil = 5e-4;
-  return job;
+  job.encode.eye = {1e-4, -5e-5, 0.02};
+  job.encode.pupil = 5e-4;
+  job.encode.eyebox = {"0.2 mm"};
+  return with_eyes(job);
 }
 
-// How near the mean of the frames is to the traced picture through the camera's pupil.
-double psnr_through_pupil(const std::vector<Hologram>& frames, const SceneTargets& targets, const Job& job,
-                          double wavelength) {
-  Image seen;
-  for (const Hologram& frame : frames) {
-    const Image view = look(show(frame, job.slm, {.wavelength = wavelength}), job.slm, 0.02, {}, job.camera);
-    if (seen.values.empty()) seen = Image(view.ny, view.nx, 1);
-    for (size_t i = 0; i < seen.values.size(); ++i) seen.values[i] += view.values[i];
-  }
-  const TargetPlane target = view_target(targets, job, {job.camera.eye, job.camera.pupil}, 0.02, wavelength);
-  Image wanted(seen.ny, seen.nx, 1);
-  EXPECT_EQ(wanted.values.size(), target.amplitude.size());
-  for (size_t i = 0; i < wanted.values.size(); ++i) wanted.values[i] = std::pow(target.amplitude.values[i], 2);
-  return compare(wanted, seen).psnr;
+TEST(Eyes, AreThoseOfTheCamera) {
+  const Job job = squares_for_an_eye();
+  EXPECT_EQ(job.camera.eye, (Vec3{1e-4, -5e-5, 0.02}));
+  EXPECT_EQ(job.camera.pupil, 5e-4);
+  Job other = two_squares();
+  other.encode.eye = {0, 0, 0.02};
+  other.camera.pupil = 7e-4;
+  other.camera.eye = {1e-4, 0, 0.02};  // looks from beside
+  EXPECT_EQ(with_eyes(other).encode.pupil, 7e-4);
+  EXPECT_EQ(with_eyes(other).camera.eye.x, 1e-4);
+  other.encode.eyebox = {"all"};
+  EXPECT_EQ(with_eyes(other).encode.target, EncodeTarget::light_field);
+  EXPECT_FALSE(aims_at_eyes(with_eyes(other)));
 }
 
-// The pupil is no target; the picture through it is nearer to the traced one than that of the first frames, in each colour.
-TEST(SceneTargets, JointLightFieldsShowBothColoursThroughAPupil) {
+TEST(Eyes, DepthOfFocusIsThatOfThePupil) {
+  // Planes at most 2λ/D² = 4.26/m apart in the reciprocal distance from the eye, through the scene alone: 1/0.04 − 1/0.044 =
+  // 2.27/m, two planes.
   Job job = squares_for_an_eye();
-  job.wavelengths = {test_wavelength, 633e-9};
-  job.encode.is_joint = true;
-  job.slm.phase_range = 4 * pi;
+  const std::vector<double> distances = target_distances_of(job);
+  ASSERT_EQ(distances.size(), 2u);
+  EXPECT_NEAR(distances.front(), 0.02, 1e-9);
+  EXPECT_NEAR(distances.back(), 0.024, 1e-6);
+}
+
+TEST(Eyes, ViewsAreDrawnInTheBoxAndHaveTheLightOfTheirPupil) {
+  // As for the pupils of a light field: 2 mm at 300 mm, and the same 1 % of the light, less 7 % by diffraction.
+  Job job = two_squares();
+  job.encode.eye = {0, 0, 0.3};
+  job.encode.pupil = 2e-3;
+  job.encode.eyebox = {"2 1 mm"};
   const SceneTargets targets = trace_targets(job);
-  const auto frames_after = [&](int updates) {
-    job.encode.iterations = updates;
-    return run(job).holograms;
-  };
-  const std::vector<Hologram> first = frames_after(1), last = frames_after(20);
-  for (const double wavelength : job.wavelengths)
-    EXPECT_GT(psnr_through_pupil(last, targets, job, wavelength),
-              psnr_through_pupil(first, targets, job, wavelength) + 2);
+  const TargetSet set = targets_of(targets, job, {test_wavelength});
+  EXPECT_TRUE(set.planes.empty());
+  ASSERT_EQ(set.views.size(), targets.distances.size());
+  EXPECT_EQ(set.eyes, (std::vector<Vec3>{{0, 0, 0.3}}));
+  const ViewTargets& view = set.views.front();
+  const Grid& picture = view.picture;
+  const int column = int(std::lround((-2e-4 - picture.x(0)) / picture.pitch));
+  const double off =
+      (picture.x(column) + 2e-4) / picture.pitch;  // the sample that is nearest to the middle of the square
+  ASSERT_LT(std::abs(off), 0.5);
+  EXPECT_NEAR(std::pow(view.amplitudes[0](picture.ny / 2, column), 2), 0.0100 * 0.93, 0.0015);
+  double least = 0, most = 0, highest = 0;
+  for (int update = 0; update < 60; ++update) {
+    const ViewTargets drawn = set.draw_views(update, test_wavelength);
+    ASSERT_EQ(drawn.pupils.size(), 1u);
+    least = std::min(least, drawn.pupils[0].centre.x);
+    most = std::max(most, drawn.pupils[0].centre.x);
+    highest = std::max(highest, std::abs(drawn.pupils[0].centre.y));
+    EXPECT_EQ(drawn.window, view.window);
+  }
+  // The box, and a twelfth of a pupil more on each side; of 60 draws the largest is 3 % of the width from its edge in the mean.
+  EXPECT_LE(most, 1e-3 + 2e-3 / 12);
+  EXPECT_GT(most, 0.8e-3);
+  EXPECT_LT(least, -0.8e-3);
+  EXPECT_LE(highest, 0.5e-3 + 2e-3 / 12);
 }
 
-TEST(SceneTargets, AViewThroughAPupilIsComparedWithThePictureThroughIt) {
+TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
   Job job = squares_for_an_eye();
-  job.encode.iterations = 10;
-  const Boxes boxes = run(job);
-  // Both compare the same pictures, up to the rounding of floats; that of the whole panel would be darker and sharper.
-  EXPECT_NEAR(fact_of(boxes.report, "look", "psnr_db"),
-              psnr_through_pupil(boxes.holograms, trace_targets(job), job, test_wavelength), 0.01);
-  // The target render knows the picture through the whole panel alone.
-  job.encode.target = EncodeTarget::render;
-  for (const StageReport& stage : run(job).report.stages)
-    for (const auto& [name, value] : stage.facts) EXPECT_FALSE(stage.stage.starts_with("look") && name == "psnr_db");
+  job.encode.iterations = 60;
+  job.trace.frames = 1;
+  const double for_eye = fact_of(run(job).report, "look", "psnr_db");
+  job.encode.eye = {};
+  job.encode.planes = 5;
+  EXPECT_GT(for_eye, fact_of(run(job).report, "look", "psnr_db") + 6);  // half of the error in amplitude, or less
+}
+
+TEST(Eyes, OfSeveralEachGetsItsPicture) {
+  Job job = two_squares();
+  job.encode.eye = {-4e-4, 0, 0.02, 4e-4, 0, 0.02};
+  job.encode.pupil = 3e-4;
+  job.encode.eyebox = {"0.1 mm"};
+  job.trace.frames = 2;
+  const SceneTargets targets = trace_targets(with_eyes(job));
+  ASSERT_EQ(targets.eyes.size(), 2u);
+  for (const double x : {-4e-4, 4e-4}) {
+    job.camera.eye = {x, 0, 0.02};
+    job.encode.iterations = 1;
+    const double before = fact_of(run(with_eyes(job)).report, "look", "psnr_db");
+    job.encode.iterations = 60;
+    EXPECT_GT(fact_of(run(with_eyes(job)).report, "look", "psnr_db"), before + 6) << x;
+  }
+}
+
+TEST(Eyes, MustBeWhereLightOfThePanelComes) {
+  const auto error = [](std::vector<double> eye, std::vector<std::string> box) {
+    Job job = two_squares();
+    job.encode.eye = std::move(eye);
+    job.encode.eyebox = std::move(box);
+    try {
+      check_job(job);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error({0, 0, 0.25}, {}), "");
+  EXPECT_TRUE(
+      error({0, 0, -0.25}, {}).starts_with("expected an eye in front of the panel (z above 0 m), got z = -250 mm"));
+  EXPECT_TRUE(error({0, 0}, {}).starts_with("expected x, y and z of each eye"));
+  // Half the panel, 0.64 mm, and 250 mm·tan(asin(λ/2p)) = 8.32 mm.
+  EXPECT_TRUE(error({0.02, 0, 0.25}, {}).starts_with("expected an eye that light of the panel reaches, at most 8.96"));
+  EXPECT_TRUE(error({0, 0, 0.25}, {"30 mm"}).starts_with("expected an eyebox that light of the panel reaches"));
+  EXPECT_TRUE(error({0, 0, 0.25}, {"wide"}).find("wide") != std::string::npos);
+  EXPECT_TRUE(error({0, 0, 0.25}, {"1 2 3 mm"}).starts_with("expected a diameter, a width and a height, or \"all\""));
 }
 
 TEST(SceneTargets, ALightFieldNeedsAVirtualImageAndOneSamplePerPixel) {

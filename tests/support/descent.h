@@ -30,8 +30,7 @@ struct Descent {
                                   {.aperture = panel.aperture(),
                                    .samples = n == 1 ? PixelSamples::four : PixelSamples::middle,
                                    .subpixels = n,
-                                   .stop = stop_width(params),
-                                   .pupil = target.pupil});
+                                   .stop = stop_width(params)});
       std::vector<Field> u(drives.size(), Field({nx * n, ny * n, slm.grid.pitch / n}, target.wavelength));
       std::vector<std::vector<Field>> shown;
       Array2D<float> light(ny, nx);

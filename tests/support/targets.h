@@ -57,4 +57,10 @@ inline std::vector<double> convergence_of(const Slm& slm, const EncodeParams& pa
   return curve;
 }
 
+/// A window in the plane of pupils that is wider than the panel by half a pupil on every side, on the panel's lattice.
+inline Grid window_of_pupils(const Grid& panel, double diameter) {
+  const int margin = int(std::ceil(diameter / 2 / panel.pitch));
+  return {panel.nx + 2 * margin, panel.ny + 2 * margin, panel.pitch, panel.centre_x, panel.centre_y};
+}
+
 }  // namespace holotrace

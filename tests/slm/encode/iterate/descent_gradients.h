@@ -8,6 +8,7 @@
 
 #include "holotrace/slm/encode/iterate/device_arrays.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
 #include "slm/encode/iterate/descents_on_devices.h"
 
 // Descents of all kinds, and their first gradient, wherever it is computed.
@@ -16,13 +17,13 @@ namespace holotrace::test {
 
 inline std::vector<DescentCase> descent_cases() {
   DescentCase one{"one frame"}, three{"three frames", 3}, diagonals{"four frames", 4},
-      stop{"a stop and a part that counts"}, pupil{"a pupil"}, two{"two levels", 2, 2}, few{"three levels", 1, 3},
-      colours{"two colours"}, odd{"an odd size"};
+      stop{"a stop and a part that counts"}, alone{"views alone", 2}, two{"two levels", 2, 2},
+      few{"three levels", 1, 3}, colours{"two colours"}, odd{"an odd size"};
   odd.slm = make_panel(51, 38);
   stop.params.stop = 0.6;
   stop.params.target_columns = 30;
   stop.params.target_rows = 20;
-  pupil.pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
+  alone.has_views = alone.has_no_planes = true;
   colours.has_two_colours = true;
   colours.slm.design_wavelength = 633e-9;
   DescentCase crosstalk{"crosstalk", 2}, crosstalk_two{"crosstalk of two levels", 1, 2},
@@ -38,7 +39,7 @@ inline std::vector<DescentCase> descent_cases() {
   amplitude.slm.modulation = Modulation::amplitude;
   complex.slm.modulation = Modulation::complex;
   fine.params.subpixels = 3;
-  return {one, three,     diagonals,     stop,      pupil,   two,  few,   colours,
+  return {one, three,     diagonals,     stop,      alone,   two,  few,   colours,
           odd, crosstalk, crosstalk_two, amplitude, complex, fine, views, wide};
 }
 
@@ -79,9 +80,13 @@ inline Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const P
         if (samples == group && group == SampleGroup::all) break;
       }
     for (size_t k = 0; k < planes; ++k) gradient.numbers.push_back(light->add_gradient(k, group, 1.3, 0.7));
-    if (one.has_views) {
-      light->add_views(set.draw_views(1, test_wavelength), 1.3, 1e4);  // so that they count more than the planes
-      light->add_views(set.draw_views(2, test_wavelength), 1.3, 1e4);
+    for (const int update : {1, 2}) {
+      if (!one.has_views) break;
+      const ViewTargets views = set.draw_views(update, test_wavelength);
+      const ModulusSums sums = light->view_sums(views, true);
+      const double factor = 1e4 / target_power(views);  // so that they count more than the planes
+      gradient.numbers.insert(gradient.numbers.end(),
+                              {sums.cross, sums.square, light->add_gradient_of_views(views, 1.3, factor)});
     }
   }
   const AdamStep mean_is_slope{0, 0, 0, 1};

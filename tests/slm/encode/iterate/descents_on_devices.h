@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,30 +17,36 @@ struct DescentCase {
   std::string name;
   int frames = 1, levels = 65536;
   EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006, 0.009}, .iterations = 20};
-  std::optional<Pupil> pupil{};
   bool has_two_colours = false;
   Slm slm = make_panel(48, 36);
-  bool has_views = false;
+  bool has_views = false, has_no_planes = false;
   double view_z = -0.01;  ///< plane in which the views are in focus; their pupils are at 0.02 m
 
   TargetSet targets() const {
     TargetSet set{picture_targets(slm, params)};
-    for (TargetPlane& target : set.planes) target.pupil = pupil;
+    if (has_no_planes) set.planes.clear();
     if (has_two_colours)
       for (const TargetPlane& target : picture_targets(slm, params, 633e-9)) set.planes.push_back(target);
     if (has_views)
       set.draw_views = [this](int update, double wavelength) {
         CounterRandom random(3, 0, uint64_t(update));
-        ViewTargets views{.z = view_z, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+        ViewTargets views{.z = view_z,
+                          .wavelength = wavelength,
+                          .window = window_of_pupils(slm.grid, 1.5e-4),
+                          .picture = {},
+                          .pupils = {},
+                          .amplitudes = {}};
         views.pupils.push_back({{1e-4 * random.uniform(), 0, 0.02}, 1.5e-4});
         views.pupils.push_back({{-1.6e-4, -1e-4 * random.uniform(), 0.02}, 1.5e-4});  // beside the first
-        views.picture = picture_grid(slm.grid, views.pupils.front(), wavelength, views.z);
+        views.picture =
+            picture_grid(slm.grid, slm.grid.width(), slm.grid.height(), views.pupils.front(), wavelength, views.z);
         for (size_t k = 0; k < views.pupils.size(); ++k) {
           views.amplitudes.emplace_back(views.picture.ny, views.picture.nx, 0.5F);
           for (float& a : views.amplitudes.back().values) a = float(random.uniform());
         }
         return views;
       };
+    if (has_no_planes) set.views = {set.draw_views(0, test_wavelength)};
     return set;
   }
 

@@ -67,9 +67,15 @@ struct CheckpointCase {
     if (has_views)
       set.draw_views = [this](int update, double wavelength) {
         CounterRandom random(3, 0, uint64_t(update));
-        ViewTargets views{.z = -0.01, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+        ViewTargets views{.z = -0.01,
+                          .wavelength = wavelength,
+                          .window = window_of_pupils(slm.grid, 3e-4),
+                          .picture = {},
+                          .pupils = {},
+                          .amplitudes = {}};
         views.pupils.push_back({{2e-4 * random.uniform(), 0, 0.02}, 3e-4});
-        views.picture = picture_grid(slm.grid, views.pupils.front(), wavelength, views.z);
+        views.picture =
+            picture_grid(slm.grid, slm.grid.width(), slm.grid.height(), views.pupils.front(), wavelength, views.z);
         views.amplitudes.emplace_back(views.picture.ny, views.picture.nx, 0.5F);
         return views;
       };

@@ -64,7 +64,6 @@ TEST_P(DescentDevices, WriteNothingPastTheirBuffers) {
     one_.frames = frames;
     found(one_, on_device(one_.params));
   }
-  one_.pupil = Pupil{{2e-5, 1e-5, 0.004}, 1.5e-4};
   one_.has_views = true;
   found(one_, on_device(one_.params));
   device_.guard_buffers(false);

@@ -21,8 +21,9 @@ class NotedLight : public ColourLight {
   double add_gradient(size_t plane, SampleGroup group, double scale, double factor) override {
     return light_->add_gradient(plane, group, scale, factor);
   }
-  void add_views(const ViewTargets& views, double scale, double factor) override {
-    light_->add_views(views, scale, factor);
+  ModulusSums view_sums(const ViewTargets& views, bool is_kept) override { return light_->view_sums(views, is_kept); }
+  double add_gradient_of_views(const ViewTargets& views, double scale, double factor) override {
+    return light_->add_gradient_of_views(views, scale, factor);
   }
 
  private:

@@ -54,10 +54,10 @@ std::vector<GradientCase> gradient_cases() {
           {"stop", plain, stop},
           {"subpixels", plain, finer},
           {"subpixels, effects, stop", uneven, both},
-          {"pupils", plain, {}, Modulation::phase, {-0.004}, pupils},
-          {"pupils, effects, stop", uneven, stop, Modulation::phase, {-0.004}, pupils},
-          {"pupils, subpixels", plain, finer, Modulation::phase, {-0.004}, pupils},
-          {"complex, effects", complex, stop, Modulation::complex, {-0.004}, pupils},
+          {"pupils", plain, {}, Modulation::phase, {-0.004}},
+          {"pupils, effects, stop", uneven, stop, Modulation::phase, {-0.004}},
+          {"pupils, subpixels", plain, finer, Modulation::phase, {-0.004}},
+          {"complex, effects", complex, stop, Modulation::complex, {-0.004}},
           {.name = "complex, mean",
            .slm = complex,
            .params = finer,
@@ -65,7 +65,7 @@ std::vector<GradientCase> gradient_cases() {
            .detail = detail_of(PixelDetail::mean)},
           {"complex, calibration", complex_calibrated, finer, Modulation::complex},
           {"amplitude", amplitude, {}, Modulation::amplitude},
-          {"amplitude, effects", uneven, finer, Modulation::amplitude, {-0.004}, pupils}};
+          {"amplitude, effects", uneven, finer, Modulation::amplitude, {-0.004}}};
 }
 
 TEST(Gradient, IsThatOfFiniteDifferences) {
@@ -77,10 +77,6 @@ TEST(Gradient, IsThatOfFiniteDifferences) {
       std::vector<TargetPlane> targets;
       for (const double z : c.planes) {
         target.z = z;
-        targets.push_back(target);
-      }
-      for (const Pupil& pupil : c.pupils) {
-        target.pupil = pupil;
         targets.push_back(target);
       }
       if (c.has_two_colours) targets.push_back(picture_targets(c.slm, picture, 633e-9).front());

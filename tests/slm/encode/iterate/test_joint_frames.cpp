@@ -200,8 +200,7 @@ TEST(JointFrames, TheMeanOfEqualFramesIsOneOfThem) {
 TEST(JointFrames, SameBytesOnAnyNumberOfThreads) {
   const Slm slm = make_panel(96, 64);
   const EncodeParams params = descent({0.01, 0.011, 0.012}, 8);
-  std::vector<TargetPlane> targets = picture_targets(slm, params);
-  targets.back().pupil = Pupil{{1e-4, 0, 0.02}, 3e-4};
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
   std::vector<std::vector<std::vector<uint16_t>>> levels;
   for (const size_t threads : {1, 3}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -282,7 +281,7 @@ Field light_of(const Hologram& frame) {
 
 // The light of frames through some pupils, each picture's irradiance, times the irradiance that shows the planes.
 std::vector<Array2D<float>> views_of(const std::vector<Hologram>& frames, const Slm& slm, const ViewTargets& views) {
-  const PupilPropagation to_eyes(slm, test_wavelength, views.pupils.front(), {});
+  const PupilPropagation to_eyes(slm, test_wavelength, views.window, views.pupils.front().centre.z, {});
   std::vector<Array2D<float>> light(views.pupils.size(), Array2D<float>(views.picture.ny, views.picture.nx));
   for (const Hologram& frame : frames) {
     const Field eye = to_eyes.to_eye(light_of(frame));
@@ -312,10 +311,15 @@ TEST(JointFrames, EachUpdateDrawsViews) {
   const Slm slm = make_panel(128, 96);
   const EncodeParams params = descent({0.01}, 80);
   const std::vector<TargetPlane> targets = picture_targets(slm, params);
-  ViewTargets views{
-      .z = targets.front().z, .wavelength = test_wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
+  ViewTargets views{.z = targets.front().z,
+                    .wavelength = test_wavelength,
+                    .window = window_of_pupils(slm.grid, 3e-4),
+                    .picture = {},
+                    .pupils = {},
+                    .amplitudes = {}};
   for (const double x : {-1.5e-4, 1.5e-4}) views.pupils.push_back({{x, 0, 0.02}, 3e-4});
-  views.picture = picture_grid(slm.grid, views.pupils.front(), test_wavelength, views.z);
+  views.picture =
+      picture_grid(slm.grid, slm.grid.width(), slm.grid.height(), views.pupils.front(), test_wavelength, views.z);
   const std::vector<Hologram> without = encode_frames({targets}, test_wavelength, 4, slm, params);
   for (const Array2D<float>& light : views_of(without, slm, views)) {
     const double mean = std::accumulate(light.values.begin(), light.values.end(), 0.0) / double(light.size());
@@ -328,7 +332,7 @@ TEST(JointFrames, EachUpdateDrawsViews) {
     updates.push_back(update);
     return views;
   };
-  const std::vector<Hologram> with = encode_frames({targets, draw}, test_wavelength, 4, slm, params);
+  const std::vector<Hologram> with = encode_frames({targets, {}, draw}, test_wavelength, 4, slm, params);
   // At least half of the error of the views goes.
   EXPECT_LT(error_of_views(with, slm, views), error_of_views(without, slm, views) / 2);
   ASSERT_EQ(updates.size(), 80u);

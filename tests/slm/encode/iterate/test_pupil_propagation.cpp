@@ -4,7 +4,7 @@
 #include <complex>
 
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
-#include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/targets.h"
 
 namespace holotrace {
@@ -20,10 +20,18 @@ std::complex<double> inner(const AlignedVector<Complex>& a, const AlignedVector<
 
 const Pupil small_pupil{{1e-4, -6e-5, 0.05}, 3e-4};
 
+PupilPropagation to_pupils(const Slm& slm) {
+  return {slm, test_wavelength, window_of_pupils(slm.grid, small_pupil.diameter), small_pupil.centre.z, {}};
+}
+
+Grid picture_of(const Grid& panel, const Pupil& pupil, double z) {
+  return picture_grid(panel, panel.width(), panel.height(), pupil, test_wavelength, z);
+}
+
 TEST(PupilPropagation, WayBackIsTheAdjoint) {
   // Float sums of some ten thousand products: 1e-5 of the norms.
   const Slm slm = make_panel(72, 40);
-  const PupilPropagation eyes(slm, test_wavelength, small_pupil, {});
+  const PupilPropagation eyes = to_pupils(slm);
   const Field u = random_field(slm.grid, 1);
   Field g = eyes.dark_eye();
   g.samples = random_field(g.grid, 2).samples;
@@ -34,11 +42,33 @@ TEST(PupilPropagation, WayBackIsTheAdjoint) {
             1e-5 * norms);
 }
 
-TEST(PupilPropagation, WindowHoldsAPupilAtThePanelsEdge) {
-  const Slm slm = make_panel(72, 40);
-  const Grid eye = PupilPropagation(slm, test_wavelength, small_pupil, {}).dark_eye().grid;
-  EXPECT_GE(eye.width(), slm.grid.width() + small_pupil.diameter);
-  EXPECT_GE(eye.height(), slm.grid.height() + small_pupil.diameter);
+// A window for pupils beside the axis is as small as can be, and on the panel's lattice, whether the panel has an even or an odd
+// number of samples. There the light is that of a wide window.
+TEST(PupilPropagation, WindowHoldsItsPartOnTheLatticeOfThePanel) {
+  const PlanePart part{{3.1e-4, -5.3e-4}, {6.2e-4, -2.1e-4}};
+  for (const int nx : {72, 73}) {
+    const Slm slm = make_panel(nx, 40);
+    const Grid window = pupil_window_grid(slm.grid, part), wide = window_of_pupils(slm.grid, 2e-3);
+    EXPECT_LE(window.x(-0.5), part.low.x);
+    EXPECT_GE(window.x(window.nx - 0.5), part.high.x);
+    EXPECT_LE(window.y(window.ny - 0.5), part.low.y);
+    EXPECT_GE(window.y(-0.5), part.high.y);
+    EXPECT_LE(window.width(), part.high.x - part.low.x + 2 * window.pitch);
+    const double column = (window.x(0) - wide.x(0)) / wide.pitch, row = (wide.y(0) - window.y(0)) / wide.pitch;
+    ASSERT_NEAR(column, std::round(column), 1e-9);
+    ASSERT_NEAR(row, std::round(row), 1e-9);
+    const Field u = random_field(slm.grid, 1);
+    const Field part_of_light = PupilPropagation(slm, test_wavelength, window, 0.05, {}).to_eye(u);
+    const Field light = PupilPropagation(slm, test_wavelength, wide, 0.05, {}).to_eye(u);
+    double error = 0, power = 0;
+    for (int j = 0; j < window.ny; ++j)
+      for (int i = 0; i < window.nx; ++i) {
+        const Complex there = light.samples(j + int(std::lround(row)), i + int(std::lround(column)));
+        error += std::norm(part_of_light.samples(j, i) - there);
+        power += std::norm(there);
+      }
+    EXPECT_LT(std::sqrt(error / power), 1e-4) << nx;  // floats, of less light than the panel's whole
+  }
 }
 
 // Also for a plane so near to the pupils that the picture is wider than the period λs/p of its transform.
@@ -46,9 +76,9 @@ TEST(PupilPropagation, PictureHasItsAdjoint) {
   const Slm slm = make_panel(72, 40);
   for (const double s : {small_pupil.centre.z + 0.03, 0.004}) {
     const double z = small_pupil.centre.z - s;
-    const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
+    const Grid picture = picture_of(slm.grid, small_pupil, z);
     ASSERT_EQ(picture.width() > test_wavelength * s / test_pitch, s == 0.004);
-    Field eye = PupilPropagation(slm, test_wavelength, small_pupil, {}).dark_eye();
+    Field eye = to_pupils(slm).dark_eye();
     eye.samples = random_field(eye.grid, 3).samples;
     const auto taken = take_picture(eye, small_pupil, z, picture);
     const auto g = random_field(picture, 4).samples;
@@ -67,10 +97,18 @@ TEST(PupilPropagation, PictureIsThatOfPlainPropagation) {
   const Slm slm = make_panel(101, 75);  // odd numbers: a pixel's middle is on the axis
   const double z = -0.03;
   const Field u = random_field(slm.grid, 5);
-  const Grid picture = picture_grid(slm.grid, small_pupil, test_wavelength, z);
-  const auto taken =
-      take_picture(PupilPropagation(slm, test_wavelength, small_pupil, {}).to_eye(u), small_pupil, z, picture);
-  const Field plain = TargetPropagation(slm, test_wavelength, z, {.pupil = small_pupil}).to_plane(u).front();
+  const Grid picture = picture_of(slm.grid, small_pupil, z);
+  const auto taken = take_picture(to_pupils(slm).to_eye(u), small_pupil, z, picture);
+  Field in_pupil = to_pupils(slm).to_eye(u);
+  for (int j = 0; j < in_pupil.grid.ny; ++j)
+    for (int i = 0; i < in_pupil.grid.nx; ++i)
+      if (std::hypot(in_pupil.grid.x(i) - small_pupil.centre.x, in_pupil.grid.y(j) - small_pupil.centre.y) >
+          small_pupil.diameter / 2)
+        in_pupil.samples(j, i) = 0;
+  PropagateParams back;
+  back.columns = slm.grid.nx;
+  back.rows = slm.grid.ny;
+  const Field plain = propagate(in_pupil, z - small_pupil.centre.z, back);
   double error = 0, power = 0;
   int compared = 0;
   for (int j = 0; j < picture.ny; ++j)
@@ -91,7 +129,7 @@ TEST(PupilPropagation, PictureIsThatOfPlainPropagation) {
 TEST(PupilPropagation, PicturesHaveTheSamplesThatTheirDetailNeeds) {
   const Slm slm = make_panel(101, 75);
   for (const double diameter : {1e-4, 3e-4, 5e-4}) {
-    const Grid grid = picture_grid(slm.grid, {{0, 0, 0.05}, diameter}, test_wavelength, -0.03);
+    const Grid grid = picture_of(slm.grid, {{0, 0, 0.05}, diameter}, -0.03);
     EXPECT_LE(grid.pitch, test_wavelength * 0.08 / (2 * diameter));  // Nyquist's for the cut-off D/λs of irradiance
     EXPECT_GT(grid.pitch, test_wavelength * 0.08 / (2 * diameter) / 2);
     EXPECT_EQ(grid.nx % 2, 1);

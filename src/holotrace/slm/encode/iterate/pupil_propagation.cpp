@@ -147,7 +147,7 @@ Grid pupil_window_grid(const Grid& panel, const PlanePart& part) {
 Grid picture_grid(const Grid& panel, double width, double height, const Pupil& pupil, double wavelength, double z) {
   const int length = transform_length(pupil, panel.pitch);
   const double pitch = wavelength * distance_to(pupil, z) / (length * panel.pitch);
-  const auto odd = [&](double side) { return std::min(2 * int(side / (2 * pitch)) + 1, (length - 1) / 2 * 2 + 1); };
+  const auto odd = [&](double side) { return 2 * int(side / (2 * pitch)) + 1; };
   return {odd(width), odd(height), pitch};
 }
 

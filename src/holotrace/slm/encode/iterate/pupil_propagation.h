@@ -67,8 +67,7 @@ struct PlanePart {
 Grid pupil_window_grid(const Grid& panel, const PlanePart& part);
 
 /// The samples that pictures in the plane z need, for pupils of this size and distance: at most λs/2D apart, as a
-/// transform of good length gives them; as many as cover `width` × `height` about the axis, and odd numbers of them, but no
-/// more than until the picture repeats.
+/// transform of good length gives them; as many as cover `width` × `height` about the axis, and odd numbers of them.
 Grid picture_grid(const Grid& panel, double width, double height, const Pupil& pupil, double wavelength, double z);
 
 /// The part of a window that lies in a pupil, as the transform of take_picture has it: `length` places along each axis, of
