@@ -1,8 +1,11 @@
 // holotrace compare: the difference between two images, or two fields.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +20,9 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/report_file.h"
+#include "holotrace/io/run_folder.h"
+#include "holotrace/run/lit_part.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/difference.h"
 #include "holotrace/view/profile.h"
@@ -96,35 +102,109 @@ ImagePair registered_pair(const CompareOptions& o, Console& console) {
   return pair;
 }
 
-void compare_images(const CompareOptions& o, Console& console) {
-  ImagePair pair = o.is_registered ? registered_pair(o, console) : image_pair(o.a, o.b);
+// The figures of a pair of images, and its pictures as the flags ask for them: the chart comes last, because it may fail.
+struct Comparison {
+  Json facts;
+  std::function<void()> draw_profile = [] {};
+};
+
+// @param i  number of the pair, from 0: of several, each has its own files
+Comparison compare_images(ImagePair pair, const CompareOptions& o, size_t i = 0) {
   const Metrics m = compare(pair.reference, pair.image);
-  Json& facts = pair.facts;
-  facts.update(Json{{"psnr_db", number(m.psnr)},
-                    {"psnr_unscaled_db", number(m.psnr_unscaled)},
-                    {"ssim", number(m.ssim)},
-                    {"ssim_unscaled", number(m.ssim_unscaled)},
-                    {"scale", number(m.scale)},
-                    {"rms_error", number(m.rms_error)},
-                    {"speckle_contrast", number(m.speckle_contrast)},
-                    {"diffraction_efficiency", number(m.bright_fraction)},
-                    {"power_ratio", number(m.power_ratio)},
-                    {"uniformity", number(m.uniformity)},
-                    {"psnr_amplitude_db", number(m.psnr_amplitude)}});
+  Comparison made{std::move(pair.facts)};
+  made.facts.update(Json{{"psnr_db", number(m.psnr)},
+                         {"psnr_of_black_db", number(psnr_of_black(pair.reference))},
+                         {"psnr_unscaled_db", number(m.psnr_unscaled)},
+                         {"ssim", number(m.ssim)},
+                         {"ssim_unscaled", number(m.ssim_unscaled)},
+                         {"scale", number(m.scale)},
+                         {"rms_error", number(m.rms_error)},
+                         {"speckle_contrast", number(m.speckle_contrast)},
+                         {"diffraction_efficiency", number(m.bright_fraction)},
+                         {"power_ratio", number(m.power_ratio)},
+                         {"uniformity", number(m.uniformity)},
+                         {"psnr_amplitude_db", number(m.psnr_amplitude)},
+                         {"lit_fraction_of_reference", lit_fraction(pair.reference)},
+                         {"lit_fraction", lit_fraction(pair.image)}});
   if (!o.difference.empty()) {
     const DifferenceImage difference = difference_image(pair.reference, pair.image, m.scale, o.difference_range);
-    save_image(o.difference, difference.image, 1, 8);
-    facts["difference_at_full_colour"] = difference.range;
+    save_image(numbered_path(o.difference, i), difference.image, 1, 8);
+    made.facts["difference_at_full_colour"] = difference.range;
   }
-  print_facts(facts, o.is_json);
-  std::fflush(stdout);
   if (!o.profile.empty())
-    save_chart(o.profile, profile_chart(pair.reference, pair.image, m.scale,
-                                        {pair.rows, pair.columns, pair.first_row, pair.first_column}));
+    made.draw_profile = [path = numbered_path(o.profile, i), scale = m.scale, pair = std::move(pair)] {
+      save_chart(path, profile_chart(pair.reference, pair.image, scale,
+                                     {pair.rows, pair.columns, pair.first_row, pair.first_column}));
+    };
+  return made;
+}
+
+void compare_files(const CompareOptions& o, Console& console) {
+  const Comparison made = compare_images(o.is_registered ? registered_pair(o, console) : image_pair(o.a, o.b), o);
+  print_facts(made.facts, o.is_json);
+  std::fflush(stdout);
+  made.draw_profile();
+}
+
+// Two pictures to compare, and the plane that both show.
+struct Pictures {
+  std::string reference, image;
+  std::optional<double> distance;
+};
+
+// The views of two runs, in their order.
+std::vector<Pictures> views_of_both(const std::string& a, const std::string& b) {
+  const RunFolder first = list_complete_run(a), second = list_complete_run(b);
+  require(!first.views.empty() && first.views.size() == second.views.size(),
+          "expected two runs with as many views, got {} in {} and {} in {}; compare single views", first.views.size(),
+          a, second.views.size(), b);
+  std::vector<Pictures> pairs;
+  for (size_t i = 0; i < first.views.size(); ++i) {
+    const auto of_first = render_of_view(first.views[i]), of_second = render_of_view(second.views[i]);
+    pairs.push_back({first.views[i], second.views[i], std::nullopt});
+    if (!of_first || !of_second) continue;  // without renders, the reports do not say where the views are in focus
+    const double distance = of_first->place.distance, other = of_second->place.distance;
+    require(
+        std::abs(distance / other - 1) < 1e-9,
+        "expected views of the same planes, but {} is in focus at {} and {} at {}; run both with the same distances, "
+        "or compare single views",
+        first.views[i], format_length(distance), second.views[i], format_length(other));
+    pairs.back().distance = distance;
+  }
+  return pairs;
+}
+
+// The views of a run and their renders, or the views of two runs.
+void compare_folders(const CompareOptions& o) {
+  std::vector<Pictures> pairs;
+  if (o.b.empty())
+    for (const RenderedView& one : rendered_views(o.a)) pairs.push_back({one.render, one.view, one.distance});
+  else
+    pairs = views_of_both(o.a, o.b);
+  std::vector<Comparison> comparisons;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    Comparison made = compare_images(image_pair(pairs[i].reference, pairs[i].image), o, i);
+    Json facts{{"view", pairs[i].image}, {"reference", pairs[i].reference}};
+    if (pairs[i].distance) facts["distance"] = format_length(*pairs[i].distance);
+    facts.update(made.facts);
+    made.facts = std::move(facts);
+    comparisons.push_back(std::move(made));
+  }
+  Json views = Json::array();
+  for (const Comparison& made : comparisons) views.push_back(made.facts);
+  if (o.is_json) print_facts({{"views", views}}, true);
+  for (size_t i = 0; i < views.size() && !o.is_json; ++i) {
+    if (i > 0) fmt::print("\n");
+    print_facts(views[i], false);
+  }
+  std::fflush(stdout);
+  for (const Comparison& made : comparisons) made.draw_profile();
 }
 
 // Refuses flags that have no effect on the requested comparison.
 void check_flags(const CompareOptions& o, bool is_field) {
+  require(!o.is_registered || !is_folder(o.a),
+          "--register is for a photograph and a picture, but {} is the folder of a run; name its view", o.a);
   for (const auto& [flag, is_given] : {std::pair{"--register", o.is_registered},
                                        {"--difference", !o.difference.empty()},
                                        {"--profile", !o.profile.empty()}})
@@ -145,25 +225,37 @@ void check_flags(const CompareOptions& o, bool is_field) {
 }  // namespace
 
 void add_compare_command(Command& app, const GlobalFlags& global) {
-  Command* command =
-      app.add_subcommand("compare", "differences between two images, or between two fields (.npy, .h5, .exr)");
+  Command* command = app.add_subcommand(
+      "compare",
+      "differences between two images, between two fields (.npy, .h5, .exr), between the views and the "
+      "renders of a run, or between the views of two runs");
   auto o = std::make_shared<CompareOptions>();
-  command->add_option("a", o->a, "reference; with --register the photograph")->required()->type_name("A");
+  command
+      ->add_option(
+          "a", o->a,
+          "reference; with --register the photograph; or the folder of a run, whose views are compared with its "
+          "renders, or are the reference of another run's")
+      ->required()
+      ->type_name("A|DIR");
   command
       ->add_option(
           "b", o->b,
-          "image or field that is compared with it; with --register the simulation, which is then the reference")
-      ->required()
-      ->type_name("B");
+          "image or field that is compared with it; with --register the simulation, which is then the reference; "
+          "or the folder of another run")
+      ->type_name("B|DIR");
   command->add_flag("--json", o->is_json, "as JSON");
   command
-      ->add_option("--difference", o->difference,
-                   "picture of the difference: red where brighter than the reference, blue where darker")
+      ->add_option(
+          "--difference", o->difference,
+          "picture of the difference: red where brighter than the reference, blue where darker; several views: NAME, "
+          "NAME_2, …")
       ->type_name("FILE");
   command
       ->add_option("--difference-range", o->difference_range, "difference that is shown in full colour [the largest]")
       ->type_name("NUMBER");
-  command->add_option("--profile", o->profile, "chart of both images along the middle row: .png or .svg")
+  command
+      ->add_option("--profile", o->profile,
+                   "chart of both images along the middle row: .png or .svg; several views: NAME, NAME_2, …")
       ->type_name("FILE");
   command->add_flag("--register", o->is_registered,
                     "align the photograph a with the simulation b before the comparison");
@@ -171,7 +263,15 @@ void add_compare_command(Command& app, const GlobalFlags& global) {
       ->type_name("FILE");
   o->flags.add(*command, RegisterParams(), {}, "with --register");
   command->callback([o, &global] {
-    check_file_exists(o->a, "an image or a field");
+    if (is_folder(o->a) && (o->b.empty() || is_folder(o->b))) {
+      check_flags(*o, false);
+      return compare_folders(*o);
+    }
+    if (o->b.empty()) fail_as_missing("B (b), or the folder of a run as A");
+    require(!is_folder(o->a) && !is_folder(o->b),
+            "expected two files, or the folders of two runs, got a file and the folder {}; name a view in the folder",
+            is_folder(o->a) ? o->a : o->b);
+    check_file_exists(o->a, "an image, a field or the folder of a run");
     check_file_exists(o->b, "an image or a field");
     const bool is_field = is_field_file(o->a);
     require(is_field == is_field_file(o->b),
@@ -184,7 +284,7 @@ void add_compare_command(Command& app, const GlobalFlags& global) {
       print_facts(field_facts(load_fields_double(o->a, global.outside()), load_fields_double(o->b, global.outside())),
                   o->is_json);
     else
-      compare_images(*o, console);
+      compare_files(*o, console);
   });
 }
 

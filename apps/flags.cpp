@@ -50,8 +50,10 @@ void Flags::Adder::add(const std::string& name, const std::string& help, const s
   if ((names.count(name) > 0) != is_only) return;
   const std::string other = name == "distances" ? ",--distances" : "";
   const auto keep = [&given = given, name](const std::string& text) { given[name] = text; };
+  const auto origin = from.find(name);
+  const std::string value = origin == from.end() ? shown : origin->second + ", or " + shown;
   Option* option =
-      command.add_option_function(flag_of(name, other_names) + other, keep, help + " [" + shown + "]")->type_name(kind);
+      command.add_option_function(flag_of(name, other_names) + other, keep, help + " [" + value + "]")->type_name(kind);
   if (!group.empty()) option->group(group);
   if (const char* before = name_before(name)) add_old_name(name, before);
 }

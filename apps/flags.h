@@ -42,17 +42,18 @@ class Flags {
   explicit Flags(std::map<std::string, std::string> other_names) : other_names_(std::move(other_names)) {}
 
   /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
+  /// @param from  origin of the defaults of some fields, for the help text: "[the hologram's, or 300 mm]"
   template <class Params>
-  void add(Command& command, Params defaults, const std::set<std::string>& without = {},
-           const std::string& group = "") {
-    Adder adder{command, texts_, other_names_, without, false, group};
+  void add(Command& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
+           const std::map<std::string, std::string>& from = {}) {
+    Adder adder{command, texts_, other_names_, without, false, group, from};
     describe(adder, defaults);
   }
 
   /// Adds a flag for each of the named fields of `defaults`.
   template <class Params>
   void add_only(Command& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
-    Adder adder{command, texts_, other_names_, names, true, group};
+    Adder adder{command, texts_, other_names_, names, true, group, {}};
     describe(adder, defaults);
   }
 
@@ -81,6 +82,7 @@ class Flags {
     const std::set<std::string>& names;
     bool is_only;  // fields that are named, or all others
     const std::string& group;
+    const std::map<std::string, std::string>& from;  // origin of a field's default
 
     void add(const std::string& name, const std::string& help, const std::string& shown, const std::string& kind);
     void add_old_name(const std::string& name, const std::string& before);

@@ -13,13 +13,14 @@ namespace holotrace {
 
 void add_info_command(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand(
-      "info", "contents of any file that holotrace reads, data of a panel, or devices of this machine");
+      "info",
+      "contents of any file that holotrace reads or of the folder of a run, data of a panel, or devices of this machine");
   struct Options {
     std::string path, slm;
     bool is_json = false, has_devices = false;
   };
   auto o = std::make_shared<Options>();
-  auto* file = command->add_option("file", o->path)->type_name("FILE");
+  auto* file = command->add_option("file", o->path, "file, or folder of a run")->type_name("FILE|DIR");
   auto* slm =
       command
           ->add_option("--slm", o->slm,
@@ -34,7 +35,7 @@ void add_info_command(Command& app, const GlobalFlags& global) {
     if (o->has_devices && !o->path.empty()) fail_as_excluded("--devices", "a file");
     if (o->has_devices && !o->slm.empty()) fail_as_excluded("--devices", "--slm");
     if (o->has_devices) return print_devices(o->is_json);
-    if (o->path.empty() && o->slm.empty()) fail_as_missing("a file, --slm or --devices");
+    if (o->path.empty() && o->slm.empty()) fail_as_missing("a file or folder, --slm or --devices");
     print_facts(o->slm.empty() ? describe_file(o->path, global.outside()) : describe_slm(slm_by_name(o->slm)),
                 o->is_json);
   });

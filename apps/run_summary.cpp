@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
+
+#include "holotrace/io/describe_run.h"
+#include "holotrace/io/report_file.h"
 
 namespace holotrace {
 namespace {
@@ -17,8 +21,8 @@ struct Figure {
 };
 
 // What a person asks for first. The report has all facts.
-constexpr std::array figures{Figure{"waves", "{:.0f} waves"}, Figure{"psnr_db", "PSNR {:.1f} dB"},
-                             Figure{"ssim", "SSIM {:.2f}"}, Figure{"efficiency", "efficiency {:.2f}"}};
+constexpr std::array figures{Figure{"waves", "{:.0f} waves"},
+                             Figure{"efficiency", "{:.2f} of the panel's light leaves it"}};
 
 std::optional<double> number_of(const StageReport& stage, const char* name) {
   for (const auto& [fact, value] : stage.facts) {
@@ -45,6 +49,8 @@ void print_summary(const Report& report, const std::string& folder, const FileRe
     total += stage.seconds;
   }
   fmt::print("{:<28} {:>9.2f} s\n", "all stages", total);
+  for (const ViewWords& view : views_in_words(report_json(report)))
+    fmt::print("{}: {}\n{}", view.name, view.nearness, view.light.empty() ? "" : "    " + view.light + "\n");
   std::vector<std::string> names{"report.json"};
   for (const auto& [name, bytes] : files) names.push_back(name);
   std::sort(names.begin(), names.end());

@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/data/acceptance.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/command_files.h"
@@ -25,11 +24,10 @@
 #include "holotrace/io/run/save_views.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/estimate/job_estimate.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
-#include "holotrace/trace/focal_stack.h"
-#include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
@@ -115,6 +113,15 @@ void follow_paths_as_traced(const Flags& given, Job& job) {
   if (given.has("clamp")) job.render.clamp = job.trace.clamp;
 }
 
+// The light of holograms is for the eye that looks, unless the scene asks for waves or for the whole space before the panel.
+void aim_at_eye_of_camera(Job& job) {
+  const EncodeParams& encode = job.encode;
+  const bool may_aim = (encode.method == Encoding::automatic || encode.method == Encoding::sgd) &&
+                       (encode.target == EncodeTarget::automatic || encode.target == EncodeTarget::render);
+  const Vec3& eye = job.camera.eye;
+  if (may_aim && encode.eye.empty() && eye.z > 0) job.encode.eye = {eye.x, eye.y, eye.z};
+}
+
 void add_run(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
@@ -147,7 +154,8 @@ void add_run(Command& app, const GlobalFlags& global) {
       ->type_name("LENGTH");
   Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
-  o->encode_flags.add(*command, EncodeParams(), {"seed", "device", "resample", "target_columns", "target_rows"},
+  o->encode_flags.add(*command, EncodeParams(),
+                      {"seed", "device", "resample", "target_columns", "target_rows", "eye", "pupil"},
                       "Encoding (overrides the scene's [encode])");
   o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
@@ -165,6 +173,7 @@ void add_run(Command& app, const GlobalFlags& global) {
       job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
     if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
     if (o->seed) job.trace.seed = job.render.seed = job.encode.seed = *o->seed;
+    if (o->flags.has("eye")) aim_at_eye_of_camera(job);
     job = choose_missing(std::move(job));
     if (aims_at_scene(job)) follow_paths_as_traced(o->trace_flags, job);
     check_field_fits(job.slm.grid, sizeof(std::complex<float>));
@@ -192,12 +201,16 @@ void add_run(Command& app, const GlobalFlags& global) {
   });
 }
 
+// PNG files are to look at; EXR and HDF5 files hold radiance.
+PictureUse use_of(const std::string& output) {
+  return extension_of(output) == ".png" ? PictureUse::to_look_at : PictureUse::radiance;
+}
+
 // Traces and writes the focal stack that the scene or a flag asks for.
 void save_stack(const Job& job, const std::string& output, Console& console, bool is_quiet) {
   const auto start = std::chrono::steady_clock::now();
-  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
-  const FocalStack stack = trace_focal_stack(job.scene, job.slm.grid, wavelength, job.render.focal_stack, job.render,
-                                             console.watch("focal stack"));
+  const FocalStack stack =
+      make_focal_stack(job, job.render.focal_stack, job.render, use_of(output), console.watch("focal stack"));
   const std::chrono::duration<double> traced = std::chrono::steady_clock::now() - start;
   console.finish();
   if (extension_of(output) == ".h5") {
@@ -245,8 +258,7 @@ void add_render(Command& app, const GlobalFlags& global) {
       for (const char* eye : {"_left", "_right"}) note_output(path_with_suffix(o->output, eye));
     if (is_stack) return save_stack(job, o->output, console, global.is_quiet);
     const auto render_with = [&](const RenderParams& params, const std::string& stage) {
-      return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params,
-                    console.watch(stage));
+      return make_picture(job, params, use_of(o->output), console.watch(stage));
     };
     if (job.render.eye_separation == 0) {
       std::vector<Image> pictures;  // not a list in braces, which would be copied

@@ -18,6 +18,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/run/save_views.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/run/view_holograms.h"
 #include "say.h"
 
@@ -29,6 +30,17 @@ void complete(const std::string& path, const Slm& slm, double wavelength, Hologr
   if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
   if (hologram.wavelength == 0) hologram.wavelength = wavelength;
   require(hologram.wavelength > 0, "{} has no metadata with its wavelength; give --wavelength", path);
+}
+
+// The hologram files of the inputs: those of a run in place of its folder.
+std::vector<std::string> hologram_files(const std::vector<std::string>& inputs) {
+  std::vector<std::string> files;
+  for (const std::string& input : inputs) {
+    const std::vector<std::string> some =
+        is_folder(input) ? list_complete_run(input).holograms : std::vector<std::string>{input};
+    files.insert(files.end(), some.begin(), some.end());
+  }
+  return files;
 }
 
 // Checks that holograms that were written together, as far as their names say so, are of one call: more frames of an
@@ -83,10 +95,10 @@ void add_show_command(Command& app, const GlobalFlags& global) {
   command
       ->add_option(
           "holograms", o->inputs,
-          "hologram files .png. Several of one wavelength and name are averaged as frames, different names are "
-          "added, and different wavelengths become colours")
+          "hologram files .png, or the folder of a run for all of its holograms. Several of one wavelength and name are "
+          "averaged as frames, different names are added, and different wavelengths become colours")
       ->required()
-      ->type_name("HOLOGRAM.png");
+      ->type_name("HOLOGRAM.png|DIR");
   add_output(*command, o->output,
              "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, "
              "…, NAME_sweep.gif and its chart NAME_sweep.png; .gif: only the animation of a sweep");
@@ -103,7 +115,8 @@ void add_show_command(Command& app, const GlobalFlags& global) {
           "first distance; needs a pupil [0 m: none]")
       ->type_name("LENGTH");
   o->flags.add(*command, ShowParams());
-  o->flags.add(*command, CameraParams());
+  const std::string kept = "as the first hologram's run";
+  o->flags.add(*command, CameraParams(), {}, "", {{"distances", kept}, {"pupil", kept}, {"eye", kept}});
   // One --device for the panel and for propagations.
   o->flags.add(*command, PropagateParams(), {"columns", "rows", "pitch", "centre_x", "centre_y", "device"});
   command->callback([o, &global] {
@@ -120,6 +133,9 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     require(!is_animation || camera.sweep != Sweep::none,
             "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png",
             o->output);
+    const std::vector<std::string> inputs = hologram_files(o->inputs);
+    camera = camera_in(viewing_of_file(inputs.front()));
+    o->flags.apply(camera);  // each flag replaces its own value
     RenderParams eyes;
     eyes.eye = camera.eye;
     if (!o->eye_separation.empty())
@@ -128,13 +144,13 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     if (is_animation) std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
 
     note_outputs(o->output, from);
-    check_series(o->inputs);
+    check_series(inputs);
 
     Console console(global.is_quiet);
     Report report;
     const HologramSeries holograms{
-        o->inputs.size(), [&](size_t i) {
-          const std::string& path = o->inputs[i];
+        inputs.size(), [&](size_t i) {
+          const std::string& path = inputs[i];
           Hologram hologram = load_hologram(path);
           Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
           complete(path, slm, params.wavelength, hologram);

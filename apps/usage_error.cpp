@@ -95,7 +95,8 @@ std::string missing(const CLI::App* command, const std::string& message) {
     if (option->get_required() && option->count() == 0) return fmt::format("expected {}, got none", value_of(option));
   const std::vector<std::string> names = subcommands_of(command);
   if (!names.empty()) return fmt::format("expected a command, got none; known: {}", fmt::join(names, ", "));
-  return message;
+  const std::string what = message.substr(0, message.rfind(" is required"));  // by fail_as_missing
+  return fmt::format("expected {}, got none", what);
 }
 
 const CLI::Option* option_named(const CLI::App* command, const std::string& name) {

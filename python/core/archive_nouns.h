@@ -68,11 +68,17 @@ void members(Archive& archive, Slm& noun) {
 }
 
 template <class Archive>
+void members(Archive& archive, ViewingConditions& noun) {
+  auto& [distances, pupil, eye] = noun;
+  archive(distances, pupil, eye);
+}
+
+template <class Archive>
 void members(Archive& archive, Hologram& noun) {
   auto& [grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
-         cone, by_cone, by_pixels, modulus_level, effects] = noun;
+         cone, by_cone, by_pixels, modulus_level, effects, viewing] = noun;
   archive(grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
-          cone, by_cone, by_pixels, modulus_level, effects);
+          cone, by_cone, by_pixels, modulus_level, effects, viewing);
 }
 
 template <class Archive>

@@ -124,6 +124,7 @@ void bind_holograms(nb::module_& module) {
   hologram.def_rw("illumination", &Hologram::illumination);
   hologram.def_rw("name", &Hologram::name);
   hologram.def_ro("frame", &Hologram::frame);
+  hologram.def_prop_ro("distances", [](const Hologram& h) { return h.viewing.distances; });
   hologram.def_ro("effects", &Hologram::effects);
   hologram.def_prop_rw(
       "slm", [](const Hologram& h) { return h.slm; }, [](Hologram& h, const std::optional<Slm>& slm) { h.slm = slm; },

@@ -3,11 +3,14 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
+#include "holotrace/denoise/denoise.h"
+#include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/camera.h"
 #include "nouns.h"
 #include "values.h"
+#include "watch.h"
 
 namespace holotrace::python {
 namespace {
@@ -41,6 +44,16 @@ FocalStack make_stack(const std::vector<Image>& pictures, nb::handle distances, 
   return stack;
 }
 
+Image denoise_image(const Image& image, const Image* albedo, const Image* normals, bool is_fast, Watch& watch) {
+  return watch.run("denoise", [&](const Observer& observer) {
+    observer.fact("denoiser", find_denoiser());
+    DenoiseGuides guides;
+    if (albedo) guides.albedo = *albedo;
+    if (normals) guides.normals = *normals;
+    return denoise(image, guides, is_fast ? DenoiseQuality::fast : DenoiseQuality::high, observer);
+  });
+}
+
 }  // namespace
 
 void bind_pictures(nb::module_& module) {
@@ -61,6 +74,9 @@ void bind_pictures(nb::module_& module) {
     return load_image(path);
   });
   module.def("common_white", &common_white);
+  module.def("denoise", &denoise_image, nb::arg("image"), nb::arg("albedo").none(), nb::arg("normals").none(),
+             nb::arg("fast"), nb::arg("watch"));
+  module.def("look_for_denoiser_in", &look_for_denoiser_in);
 
   nb::class_<FocalStack> stack(module, "FocalStack");
   bind_bytes<FocalStack>(stack);

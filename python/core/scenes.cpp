@@ -4,13 +4,11 @@
 
 #include <utility>
 
-#include "holotrace/data/acceptance.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/scene_light.h"
-#include "holotrace/trace/focal_stack.h"
-#include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/stereo.h"
 #include "nouns.h"
@@ -37,8 +35,6 @@ void with_stage(Job& job, const std::string& stage, const Use& use) {
       unknown_name_message("stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera"}));
 }
 
-double wavelength_of(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
-
 // The parameters of renders of a job, with those that are given in their place.
 RenderParams render_params(Job job, const nb::dict& given) {
   set_params(given, job.render);
@@ -47,9 +43,8 @@ RenderParams render_params(Job job, const nb::dict& given) {
 
 Image render_scene(const Job& job, const nb::dict& given, Watch& watch) {
   const RenderParams params = render_params(job, given);
-  return watch.run("render", [&](const Observer& observer) {
-    return render(job.scene, job.slm.grid, wavelength_of(job), params, observer);
-  });
+  return watch.run("render",
+                   [&](const Observer& observer) { return make_picture(job, params, PictureUse::radiance, observer); });
 }
 
 // Left and right.
@@ -59,7 +54,7 @@ std::vector<Image> render_pair(const Job& job, const nb::dict& given, Watch& wat
   std::vector<Image> pair;
   for (size_t i = 0; i < eyes.size(); ++i)
     pair.push_back(watch.run(i == 0 ? "left eye" : "right eye", [&](const Observer& observer) {
-      return render(job.scene, job.slm.grid, wavelength_of(job), eyes[i], observer);
+      return make_picture(job, eyes[i], PictureUse::radiance, observer);
     }));
   return pair;
 }
@@ -68,7 +63,7 @@ FocalStack trace_stack(const Job& job, const std::vector<double>& distances, con
   RenderParams params = job.render;
   set_params(given, params);
   return watch.run("focal stack", [&](const Observer& observer) {
-    return trace_focal_stack(job.scene, job.slm.grid, wavelength_of(job), distances, params, observer);
+    return make_focal_stack(job, distances, params, PictureUse::radiance, observer);
   });
 }
 

@@ -25,6 +25,7 @@ std::vector<Viewpoint> viewpoints_of(const ViewRecord& record) {
 nb::dict view_holograms(const std::vector<const Hologram*>& holograms, const std::vector<const Slm*>& panels,
                         const nb::dict& stages, nb::handle eye_separation, Watch& watch) {
   ViewRecord record;
+  if (!holograms.empty()) record.camera = camera_in(holograms.front()->viewing);
   ViewingParams params;
   set_params(nb::cast<nb::dict>(stages["show"]), params.show);
   set_params(nb::cast<nb::dict>(stages["propagate"]), params.propagation);

@@ -10,6 +10,7 @@ program reports, in the same words.
 """
 
 from ._core import Error, __version__
+from ._denoise import denoise
 from ._encode import Run, encode, encode_all, run
 from ._fields import Field, Sources, load_field, load_fields, load_sources, save_fields
 from ._figures import (
@@ -48,6 +49,7 @@ __all__ = [
     "calibrate",
     "calibration_patterns",
     "compare",
+    "denoise",
     "depth_image_fields",
     "encode",
     "encode_all",

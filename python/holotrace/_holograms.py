@@ -253,6 +253,11 @@ class Hologram(Noun):
         return int(self._core.frame)
 
     @property
+    def distances(self) -> List[float]:
+        """Distances from the panel to the planes in which its run focused, or that it was made for [m]; none: unknown."""
+        return list(self._core.distances)
+
+    @property
     def slm(self) -> Optional[Slm]:
         """The panel that it was made for, if it is known."""
         core = self._core.slm

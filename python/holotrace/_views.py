@@ -73,7 +73,8 @@ def view(
 
     Several holograms are shown one after the other: those of one wavelength and name are averaged as frames, different
     names are added, and different wavelengths become colours. ``slm`` is the panel; None: the one that each hologram was
-    made for, or an ideal one of its size. ``show`` and ``propagate`` have parameters of these verbs. An
+    made for, or an ideal one of its size. ``distances``, ``pupil`` and ``eye`` that are not given are those with which the
+    first hologram's run looked at it, if it knows them. ``show`` and ``propagate`` have parameters of these verbs. An
     ``eye_separation`` adds a stereo pair, with the eyes to the left and to the right of ``eye``.
     """
     given = [holograms] if isinstance(holograms, Hologram) else items(holograms, "a hologram or several to view")

@@ -207,7 +207,9 @@ TEST(Frames, FieldsInColourPassThroughEveryCommand) {
   EXPECT_TRUE(work.read("f.npy") == work.read("out/field.npy"));
   EXPECT_TRUE(work.read("f.npy.json") == work.read("out/field.npy.json"));
   expect_success(work, {"encode", "f.h5", "--slm", "scene.toml", "-o", "h.png"});
-  EXPECT_TRUE(work.read("h_3.png") == work.read("out/hologram_3.png"));
+  const Hologram alone = load_hologram(work.path("h_3.png")), of_run = load_hologram(work.path("out/hologram_3.png"));
+  EXPECT_EQ(alone.level.values, of_run.level.values);
+  EXPECT_EQ(alone.illumination, of_run.illumination);
   expect_success(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.h5", "--periodic", "true"});
   expect_success(work, {"propagate", "g.h5", "--distance", "-10 mm", "-o", "b.npy", "--periodic", "true"});
   const std::vector<Field> back = load_fields(work.path("b.npy")), there = load_fields(work.path("f.npy"));

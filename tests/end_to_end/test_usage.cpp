@@ -60,7 +60,7 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
       {{"field", "scene.toml", "extra", "-o", "f.npy"},
        "expected no further argument, got \"extra\"; `holotrace field --help` lists the arguments"},
       {{"propagate", "f.npy", "-o", "g.npy"}, "expected --distance LENGTH, got none"},
-      {{"compare", "a.png"}, "expected B (b), got none"},
+      {{"compare", "a.png"}, "expected B (b), or the folder of a run as A, got none"},
       {{"info", "scene.toml", "--threads", "-1"}, "whole number of 0 or more"},
       {{"show", "h.png", "-o"}, "--output"},
   };

@@ -58,6 +58,15 @@ TEST(Compare, ConstantImagesHaveTheClosedForm) {
   EXPECT_DOUBLE_EQ(m.scale, 1.5);
 }
 
+TEST(Compare, ABlackImageHasThePsnrOfTheLitPixels) {
+  Image reference(20, 50, 1);
+  for (const int pixel : {3, 500, 501, 999}) reference.values[size_t(pixel)] = 0.7F;
+  // 4 of 1000 equal pixels: 10·lg(1000/4), whatever their brightness; and what compare finds for black.
+  EXPECT_NEAR(psnr_of_black(reference), 10 * std::log10(250), 1e-12);
+  EXPECT_NEAR(compare(reference, Image(20, 50, 1)).psnr, psnr_of_black(reference), 1e-12);
+  EXPECT_NE(error_of([] { psnr_of_black(Image(2, 2, 1)); }).find("light in it"), std::string::npos);
+}
+
 TEST(Compare, AmplitudesAreTheRootsWithTheirOwnScale) {
   Image reference(1, 4, 1), image(1, 4, 1);
   reference.values = {4, 1, 1, 0};  // amplitudes 2, 1, 1, 0

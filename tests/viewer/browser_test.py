@@ -281,6 +281,24 @@ class Page(unittest.TestCase):
             const canvas = document.getElementById('space'), copy = document.createElement('canvas');
             return canvas.getContext('webgl2') !== null && canvas.dataset.eyeX !== undefined;"""))
 
+    def test_starts_with_the_eye_of_the_run(self):
+        folder = os.path.join(self.folder, "eye")
+        scene = os.path.join(self.folder, "eye.toml")
+        with open(scene, "w") as file:
+            file.write('extends = "scene.toml"\n[camera]\ndistances = "60 mm"\npupil = "1 mm"\neye = "0.2 0 50 mm"\n')
+        subprocess.run([PROGRAM, "-q", "run", scene, "-o", folder], check=True)
+        server = Server(folder)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        self.settle()
+        self.assertEqual(self.distance(), 60)
+        self.assertEqual([float(self.get(name).get_attribute("value")) for name in ("pupil", "eye-x", "eye-z")], [1, 0.2, 50])
+        self.assert_view_is_that_of_show()
+        through_pupil = self.canvas()
+        self.change(lambda: self.set_number("pupil", 0))  # all light of the panel
+        self.assert_view_is_that_of_show()
+        self.assertNotEqual(self.canvas().tobytes(), through_pupil.tobytes())
+
     def test_survives_reload_and_two_tabs(self):
         self.change(lambda: self.set_number("distance-number", 50))
         self.browser.refresh()

@@ -88,6 +88,34 @@ TEST(FolderOfARun, ItsViewsHaveTheQualityOfTheReport) {
   }
 }
 
+// Also a hologram by itself, which has no report: it knows how its run looked.
+TEST(FolderOfARun, IsSeenAsItsRunSawIt) {
+  std::string text = scene;
+  text.replace(text.find("\"20 mm, 30 mm\""), 14, "\"30 mm, 20 mm\"\npupil = \"0.5 mm\"\neye = \"0.1 0 15 mm\"");
+  const Job job = load_job(make_file("scene.toml", text));
+  const std::string folder = temporary("out");
+  std::filesystem::create_directories(folder);
+  const Boxes boxes = run(job);
+  save_run(folder, boxes, job, {}, {});
+  for (const std::string& path : {folder, folder + "/hologram.png"}) {
+    Session session({path});
+    const ViewState state = session.state_of({});
+    EXPECT_EQ(state.camera.distances, std::vector<double>{0.03}) << path;
+    EXPECT_EQ(state.camera.pupil, 0.5e-3);
+    EXPECT_EQ(state.camera.eye, (Vec3{0.1e-3, 0, 0.015}));
+    EXPECT_EQ(session.view(state)->image.values, boxes.views.front().values);
+    const Json defaults = Json::parse(session.describe()).at("defaults");
+    EXPECT_EQ(defaults.at("distance_m"), 0.03);
+    EXPECT_EQ(defaults.at("pupil_m"), 0.5e-3);
+    EXPECT_EQ(defaults.at("eye_m"), (std::vector<double>{0.1e-3, 0, 0.015}));
+    // The command line says the eye, too: holotrace show would take it from the first of the shown holograms.
+    const std::string line = session.command_line({{"distance", "25 mm"}});
+    for (const char* words : {"--distance '25 mm'", "--pupil '0.0005 m'", "--eye '0.0001 0 0.015 m'"})
+      EXPECT_NE(line.find(words), std::string::npos) << line;
+    EXPECT_EQ(session.state_of({{"pupil", "0 mm"}}).camera.pupil, 0);
+  }
+}
+
 // A red square on the left and a green one on the right: the hologram of each laser is compared with the render in its
 // own colour. A render of both in grey, or of the other laser, has light on the other side, too.
 TEST(FolderOfARun, AColourIsComparedWithItsRender) {

@@ -9,6 +9,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/data/viewing_conditions.h"
 
 namespace holotrace {
 
@@ -42,6 +43,7 @@ struct Hologram {
   bool loses_by_cone = true, loses_by_pixels = true;
   Array2D<uint16_t> modulus_level{};   ///< levels of amplitude, beside those of phase, if the modulation is complex
   std::vector<std::string> effects{};  ///< effects of the panel that the levels compensate (slm_effect_names)
+  ViewingConditions viewing{};         ///< how its run looked at it, or the planes that it was made for
 };
 
 /// The illumination of a hologram for the light of one wavelength [W/m²].

@@ -7,21 +7,23 @@
 
 namespace holotrace {
 
-/// The light that leaves a panel, by place and direction: one picture for each cell of the panel. The pixels of all
-/// pictures are in one plane behind the panel.
+/// The light that leaves a panel, by place and direction: one picture for each cell of a lens, which is the panel itself or a
+/// part of a plane in front of it. The pixels of all pictures are in one plane behind the panel.
 struct LightField {
-  Grid panel;                 ///< the panel, divided evenly into cells
-  int columns = 0, rows = 0;  ///< number of cells along each side of the panel; row 0 is the top row
+  Grid panel;                 ///< the panel: rays pass it within its acceptance
+  Grid lens;                  ///< divided evenly into cells; its own samples do not matter
+  double lens_z = 0;          ///< z of the lens [m]: 0, or in front of the panel
+  int columns = 0, rows = 0;  ///< number of cells along each side of the lens; row 0 is the top row
   Grid plane;                 ///< pixels of the pictures, in the plane z = −distance
   double distance = 0;        ///< distance of that plane from the panel [m]
   /// Mean radiance [W/m²/sr] of the rays from cell (column, row) through each pixel, at views[row·columns + column];
   /// 1 or 3 channels, shape of `plane`.
   std::vector<Image> views;
 
-  double cell_width() const { return panel.width() / columns; }
-  double cell_height() const { return panel.height() / rows; }
-  double left() const { return panel.centre_x - panel.width() / 2; }  ///< left side of the panel [m]
-  double top() const { return panel.centre_y + panel.height() / 2; }  ///< upper side of the panel [m]
+  double cell_width() const { return lens.width() / columns; }
+  double cell_height() const { return lens.height() / rows; }
+  double left() const { return lens.centre_x - lens.width() / 2; }  ///< left side of the lens [m]
+  double top() const { return lens.centre_y + lens.height() / 2; }  ///< upper side of the lens [m]
 };
 
 }  // namespace holotrace

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "holotrace/base/array.h"
+#include "holotrace/base/vec.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/pupil.h"
 
@@ -16,24 +16,31 @@ struct TargetPlane {
   double wavelength = 0;     ///< [m]
   Array2D<float> amplitude;  ///< modulus ≥ 0, on the panel's own pixels, shape (ny, nx)
   Array2D<float> weight;     ///< weight ≥ 0 of the squared error, same shape: 0 where any light is allowed; empty: 1
-  std::optional<Pupil> pupil{};  ///< the plane is seen through this pupil only; none: all light that leaves the panel
 };
 
-/// What eyes should see through several pupils, all at one distance from the panel and focused on one plane. The
+/// What eyes should see through one or several pupils, all at one distance from the panel and focused on one plane. The
 /// pupils do not overlap.
 struct ViewTargets {
   double z = 0;           ///< z of the plane in focus [m]
   double wavelength = 0;  ///< [m]
-  Grid picture;           ///< samples of every picture, in that plane; coarser than the panel's
+  Grid window;            ///< samples of the pupils' own plane; its window holds all pupils, on the panel's pitch
+  Grid picture;           ///< samples of every picture, in the plane in focus; coarser than the panel's
   std::vector<Pupil> pupils;
   std::vector<Array2D<float>> amplitudes;  ///< modulus ≥ 0 of each picture, shape of `picture`, scaled as the planes'
 };
 
-/// Targets of an optimisation.
+/// Targets of an optimisation, of one or several wavelengths: planes, views, or both.
 struct TargetSet {
-  std::vector<TargetPlane> planes;  ///< all target planes, of one or several wavelengths
+  std::vector<TargetPlane> planes;  ///< all target planes
+  /// Without planes: views that stand for all that are drawn. They are judged, and give the light its scale.
+  std::vector<ViewTargets> views{};
   /// Views drawn anew for an update, for one of the wavelengths. Empty: updates use the planes only.
   std::function<ViewTargets(int update, double wavelength)> draw_views{};
+  std::vector<Vec3>
+      eyes{};  ///< places that the light converges to at the start, frame by frame in turn [m]; may be empty
 };
+
+/// The wavelengths of targets, in their order.
+std::vector<double> wavelengths_of(const TargetSet& targets);
 
 }  // namespace holotrace

@@ -6,6 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/io/describe_run.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
@@ -15,6 +16,7 @@
 #include "holotrace/io/files/ply.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 
 namespace holotrace {
@@ -24,16 +26,18 @@ using Json = nlohmann::ordered_json;
 
 std::string size_text(int nx, int ny) { return fmt::format("{}x{}", nx, ny); }
 
-std::string lengths_text(const std::vector<double>& lengths) {
-  std::string text;
-  for (const double length : lengths) text += (text.empty() ? "" : ", ") + format_length(length);
-  return text;
-}
-
 // Adds the name and frame of an item that is one of several.
 void add_part(const std::string& name, uint32_t frame, Json& json) {
   if (!name.empty()) json["name"] = name;
   if (frame > 0) json["frame"] = frame;
+}
+
+// Adds where the hologram's run focused, and the eye that it looked with.
+void add_viewing(const ViewingConditions& viewing, Json& json) {
+  if (viewing.are_known()) json["distances"] = lengths_text(viewing.distances);
+  if (viewing.pupil == 0) return;
+  json["pupil"] = format_length(viewing.pupil);
+  json["eye"] = lengths_text({viewing.eye.x, viewing.eye.y, viewing.eye.z});
 }
 
 Json describe(const Job& job) {
@@ -88,20 +92,6 @@ Json describe(const std::vector<FieldDouble>& stack) {
   if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
     json["centre"] = format_length(field.grid.centre_x) + ", " + format_length(field.grid.centre_y);
   add_part(field.name, field.frame, json);
-  return json;
-}
-
-Json describe(const Hologram& hologram) {
-  Json json{{"kind", "hologram"},
-            {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)},
-            {"pitch", format_length(hologram.grid.pitch)},
-            {"wavelength", format_length(hologram.wavelength)},
-            {"levels", hologram.levels},
-            {"modulation", modulation_name(hologram.modulation)},
-            {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
-            {"encoder", hologram.encoder},
-            {"illumination_w_per_m2", hologram.illumination}};
-  add_part(hologram.name, hologram.frame, json);
   return json;
 }
 
@@ -187,6 +177,27 @@ Json describe_effects(const Slm& slm) {
 
 }  // namespace
 
+std::string lengths_text(const std::vector<double>& lengths) {
+  std::string text;
+  for (const double length : lengths) text += (text.empty() ? "" : ", ") + format_length(length);
+  return text;
+}
+
+Json describe_hologram(const Hologram& hologram) {
+  Json json{{"kind", "hologram"},
+            {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)},
+            {"pitch", format_length(hologram.grid.pitch)},
+            {"wavelength", format_length(hologram.wavelength)},
+            {"levels", hologram.levels},
+            {"modulation", modulation_name(hologram.modulation)},
+            {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
+            {"encoder", hologram.encoder},
+            {"illumination_w_per_m2", hologram.illumination}};
+  add_part(hologram.name, hologram.frame, json);
+  add_viewing(hologram.viewing, json);
+  return json;
+}
+
 Json describe_slm(const Slm& slm) {
   Json json{{"kind", "panel"},
             {"name", slm.name},
@@ -209,12 +220,13 @@ Json describe_slm(const Slm& slm) {
 }
 
 Json describe_file(const std::string& path, Outside outside) {
+  if (is_folder(path)) return describe_run(path);
   check_file_exists(path, "a file");
   const std::string extension = extension_of(path);
   if (extension == ".toml") return describe(load_job(path, outside));
   if (extension == ".ply") return describe_ply(path);
   if (is_mesh_file(path)) return describe(load_meshes(path, outside));
-  if (is_hologram_file(path)) return describe(load_hologram(path));
+  if (is_hologram_file(path)) return describe_hologram(load_hologram(path));
   if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));
   if (is_field_file(path)) return describe(load_fields_double(path, outside));
   return describe(load_image(path));

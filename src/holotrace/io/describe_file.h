@@ -2,17 +2,25 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "holotrace/data/hologram.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/io/files/outside.h"
 
 namespace holotrace {
 
-/// The content of a file, by its extension, as names and values: a scene (.toml), sources (.ply), a field (.npy, .h5,
+/// The content of the folder of a run (describe_run.h), or of a file, by its extension, as names and values: a scene (.toml), sources (.ply), a field (.npy, .h5,
 /// .exr with the channels of a field), a hologram (.png with a sidecar), an image, or a mesh.
 /// @param outside  whether a model or an HDF5 file may name files outside its folder
 /// @throws Error  as the loaders do
 nlohmann::ordered_json describe_file(const std::string& path, Outside outside = Outside::refused);
+
+/// The content of a hologram: its pixels, its light, and where its run focused.
+nlohmann::ordered_json describe_hologram(const Hologram& hologram);
+
+/// Lengths with their units, in a row: "638 nm, 520 nm".
+std::string lengths_text(const std::vector<double>& lengths);
 
 /// The content of a panel: its figures with their units, its effects, and the origin of the data.
 nlohmann::ordered_json describe_slm(const Slm& slm);

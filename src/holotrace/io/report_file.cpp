@@ -97,6 +97,11 @@ std::optional<RenderOfView> render_of_view(const std::string& view) {
 
 bool is_report(const std::string& path) { return read_report(path).contains("versions"); }
 
+bool is_incomplete_report(const std::string& path) {
+  const nlohmann::json report = read_report(path);
+  return report.is_object() && report.contains("complete") && report["complete"] == false;
+}
+
 FileRecord report_record(const std::string& path) {
   const nlohmann::json report = read_report(path);
   return report.contains("versions") && report.contains("files") ? record_from(report["files"]) : FileRecord();

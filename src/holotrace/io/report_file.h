@@ -25,9 +25,13 @@ void save_incomplete_report(const std::string& path, const FileRecord& files);
 /// Whether a file is a report of this program.
 bool is_report(const std::string& path);
 
-/// Names of the first render, its radiance, and the first view in the folder of a run. The others are numbered
-/// (numbered_path).
-inline constexpr const char *run_render = "render.png", *run_radiance = "render.exr", *run_view = "view.png";
+/// Whether a report says that its folder is incomplete. False if there is none.
+bool is_incomplete_report(const std::string& path);
+
+/// Names of the first render, its radiance, the first hologram and the first view in the folder of a run. The others are
+/// numbered (numbered_path).
+inline constexpr const char *run_render = "render.png", *run_radiance = "render.exr", *run_hologram = "hologram.png",
+                            *run_view = "view.png";
 
 /// Places of the scene, as sources, in the folder of a run without waves.
 inline constexpr const char* run_points = "points.ply";

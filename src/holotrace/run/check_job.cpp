@@ -6,6 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/scene_targets.h"
@@ -64,6 +65,31 @@ void check_memory(const Job& job, size_t sets) {
                              std::llround(need.rows)));
 }
 
+namespace {
+
+// The panel sends light to an eye from its nearest edge at the angle that it accepts.
+void check_eyes(const Job& job) {
+  const Grid& panel = job.slm.grid;
+  const Eyebox box = eyebox_of(job.encode);
+  for (const Vec3& eye : eyes_of(job.encode)) {
+    const double reach = box_radius(eye.z, view_wavelength(job.wavelengths, job.trace.has_common_cone), panel.pitch);
+    const double across = panel.width() / 2 + reach, down = panel.height() / 2 + reach;
+    require(
+        std::abs(eye.x) <= across && std::abs(eye.y) <= down,
+        "expected an eye that light of the panel reaches, at most {} beside its axis and {} above it at {}, got {} and "
+        "{}; move the eye, or use a panel with smaller pixels",
+        format_length(across), format_length(down), format_length(eye.z), format_length(eye.x), format_length(eye.y));
+    require(
+        std::abs(eye.x) + box.width / 2 <= across && std::abs(eye.y) + box.height / 2 <= down,
+        "expected an eyebox that light of the panel reaches, within {} x {} at {}, got one that ends {} beside the axis "
+        "and {} above it; give a smaller [encode] eyebox",
+        format_length(2 * across), format_length(2 * down), format_length(eye.z),
+        format_length(std::abs(eye.x) + box.width / 2), format_length(std::abs(eye.y) + box.height / 2));
+  }
+}
+
+}  // namespace
+
 void check_job(const Job& job) {
   require(!job.wavelengths.empty(), "expected at least one wavelength, got none");
   check_ranges(job.trace);
@@ -92,15 +118,17 @@ void check_job(const Job& job) {
               (job.encode.target != EncodeTarget::render && job.encode.target != EncodeTarget::light_field),
           "expected the encoding method sgd for the targets render and light-field, got another one; give method = "
           "\"sgd\", or leave target out");
-  if (job.encode.target == EncodeTarget::light_field) {
+  if (job.encode.target == EncodeTarget::light_field || aims_at_eyes(job)) {
+    const char* target = aims_at_eyes(job) ? "eyes" : "the target light-field";
     require(job.encode.image == ImageSide::virtual_image,
-            "expected a virtual image for the target light-field, got a real one; give image = \"virtual\"");
+            "expected a virtual image for {}, got a real one; give image = \"virtual\"", target);
     require(
         job.encode.subpixels == 1,
-        "expected one sample per pixel for the target light-field, got {} per axis; leave out [encode] subpixels, or "
-        "give the target render",
-        job.encode.subpixels);
+        "expected one sample per pixel for {}, got {} per axis; leave out [encode] subpixels, or give the target render "
+        "without eyes",
+        target, job.encode.subpixels);
   }
+  if (aims_at_eyes(job)) check_eyes(job);
   if (job.synthesize.method == SynthesisMethod::triangles)
     check_shading(job.scene, job.trace);
   else if (job.trace.strategy == Strategy::gather)

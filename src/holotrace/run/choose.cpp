@@ -11,6 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/changed.h"
+#include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/view/camera.h"
 
@@ -25,6 +26,26 @@ Effort effort_of(Quality quality) {
   if (quality == Quality::best) return {16, 24, 300, 256};
   if (quality == Quality::good) return {8, 16, 150, 128};
   return {4, 10, 50, 64};
+}
+
+// An eye sees a good picture of one frame; iterations are worth more than frames.
+Effort effort_for_eyes(Quality quality) {
+  if (quality == Quality::best) return {8, 16, 300, 128};
+  if (quality == Quality::good) return {4, 16, 250, 64};
+  return {1, 10, 150, 32};
+}
+
+// Paths without denoising over those that are enough with it: targets of 8 denoised paths are better than of 64 as they are.
+constexpr int denoised_gain = 8;
+
+bool can_denoise(const Job& job) {
+  if (job.encode.denoise == Denoise::none || aims_at_eyes(job) || !job.scene.points.empty()) return false;
+  try {
+    find_denoiser();
+    return true;
+  } catch (const NoDenoiser&) {
+    return false;
+  }
 }
 
 constexpr double most_waves = 1024 * 768;
@@ -99,7 +120,7 @@ class Chooser {
     choose_effort();
     choose_render();
     if (!aims_at_scene(job_)) choose_raster();
-    return std::move(job_);
+    return aims_at_scene(job_) ? with_eyes(std::move(job_)) : std::move(job_);
   }
 
  private:
@@ -126,7 +147,7 @@ class Chooser {
   void choose_method() {
     EncodeParams& encode = job_.encode;
     const bool is_asked = encode.quality != Quality::automatic || encode.target == EncodeTarget::render ||
-                          encode.target == EncodeTarget::light_field;
+                          encode.target == EncodeTarget::light_field || !encode.eye.empty();
     const std::string of_waves = is_asked && encode.method == Encoding::automatic ? "" : reason_for_waves(job_);
     if (encode.method == Encoding::automatic) {
       if (!of_waves.empty()) return choose_waves(of_waves);
@@ -136,16 +157,20 @@ class Chooser {
             "{} is for waves and not used: the holograms aim at the path-traced light; leave out quality and target for "
             "waves",
             fmt::join(unused, ", ")));
-      set_method(Encoding::sgd, is_asked ? "quality and target ask for it" : "nothing asks for waves");
+      set_method(Encoding::sgd, is_asked ? "quality, target or eye ask for it" : "nothing asks for waves");
     }
     if (encode.target != EncodeTarget::automatic) return;
-    const bool has_eye = job_.camera.pupil > 0 && job_.camera.eye.z > 0 && encode.image == ImageSide::virtual_image;
-    if (encode.method != Encoding::sgd || !of_waves.empty())
+    const Vec3& eye = job_.camera.eye;
+    const bool has_eye = job_.camera.pupil > 0 && eye.z > 0 && encode.image == ImageSide::virtual_image;
+    if (encode.method != Encoding::sgd || !of_waves.empty()) {
       encode.target = EncodeTarget::field;
-    else if (has_eye)
-      set_target(EncodeTarget::light_field, "the camera has a pupil in front of the panel");
-    else
-      set_target(EncodeTarget::render, "the picture should show the scene's light");
+      return;
+    }
+    set_target(EncodeTarget::render, "the picture should show the scene's light");
+    if (has_eye && encode.eye.empty())
+      set("encode.eye", encode.eye, {eye.x, eye.y, eye.z},
+          fmt::format("{} {} {}", format_length(eye.x), format_length(eye.y), format_length(eye.z)),
+          "the camera has a pupil in front of the panel");
   }
 
   void choose_effort() {
@@ -153,7 +178,9 @@ class Chooser {
     EncodeParams& encode = job_.encode;
     if (aims && encode.quality == Quality::automatic)
       set("encode.quality", encode.quality, Quality::draft, "draft", "the shortest time");
-    const Effort effort = aims ? effort_of(encode.quality) : Effort{1, 0, 0, default_paths};
+    Effort effort{1, 0, 0, default_paths};
+    if (aims) effort = aims_at_eyes(job_) ? effort_for_eyes(encode.quality) : effort_of(encode.quality);
+    if (aims && can_denoise(job_)) effort.paths /= denoised_gain;
     const std::string why =
         aims ? fmt::format("quality {}", name_of(encode.quality, quality_names)) : "one hologram of waves";
     if (job_.trace.frames == 0) set("trace.frames", job_.trace.frames, effort.frames, why);

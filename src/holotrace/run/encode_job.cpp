@@ -32,6 +32,7 @@ EncodeJob joined(EncodeJob job, const EncodeParams& params) {
 EncodeJob job_of_fields(std::vector<Field> fields, const EncodeParams& params) {
   require(!fields.empty(), "expected one field or more to encode, got none");
   EncodeJob job{.wavelengths = {}, .targets = {}, .fields = std::move(fields), .is_of_fields = true};
+  if (aims_at_targets(params.method)) job.distances = params.target_distances;
   for (const Field& field : job.fields) {
     job.wavelengths.push_back(field.wavelength);
     if (aims_at_targets(params.method)) job.targets.push_back(targets_of(field, params));
@@ -46,6 +47,7 @@ EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector
           "one, or use sgd or gerchberg-saxton, which take several",
           params.target_distances.size());
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
+  job.distances = params.target_distances;
   for (const double wavelength : wavelengths) {
     job.targets.push_back(targets_of_picture(seen_at(picture, {wavelength}), slm.grid, wavelength, params));
     job.fields.push_back(field_of_target(job.targets.back().front(), slm, params, observer));
@@ -59,6 +61,7 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
   require(params.target_distances.empty(),
           "expected target_distances only with a field or a picture; a focal stack has its own; leave it out");
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
+  job.distances = stack.distances;
   for (const double wavelength : wavelengths)
     job.targets.push_back(targets_of_stack(stack, slm.grid, wavelength, params.image));
   return joined(std::move(job), params);
@@ -90,6 +93,7 @@ std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& sl
   for (size_t frame = 0; frame < of_entries.front().size(); ++frame)
     for (std::vector<Hologram>& of_entry : of_entries) {
       of_entry[frame].loses_by_cone = job.is_of_fields;  // a picture is as bright in every colour
+      of_entry[frame].viewing.distances = job.distances;
       holograms.push_back(std::move(of_entry[frame]));
     }
   return holograms;

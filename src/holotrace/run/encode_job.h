@@ -25,6 +25,7 @@ struct EncodeJob {
   std::vector<std::vector<TargetPlane>> targets;        ///< targets of each entry; none for methods that do not iterate
   std::vector<Field> fields;                            ///< field at the panel of each entry; none for a focal stack
   bool is_of_fields = false;                            ///< fields of waves, which lose light by the panel's cone
+  std::vector<double> distances{};                      ///< of the planes that it is made for [m]; none: unknown
   std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
   ProcessLinks* links = nullptr;  ///< to other processes that take frames of focal stacks; none: this one is alone
 };

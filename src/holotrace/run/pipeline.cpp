@@ -11,9 +11,12 @@
 #include "holotrace/data/view_place.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/common_exposure.h"
+#include "holotrace/run/denoised_pictures.h"
+#include "holotrace/run/lit_part.h"
 #include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/repeated_stages.h"
+#include "holotrace/run/scene_references.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/blank_hologram.h"
@@ -34,12 +37,14 @@ EncodeParams encoding_of(const Job& job) {
   return params;
 }
 
+// Pictures that nothing is compared with.
 std::vector<Image> make_renders(const Job& job, const std::vector<PlannedRender>& planned, Report& report,
                                 const StageObserver& watch) {
   std::vector<Image> renders;
   for (const PlannedRender& render : planned)
-    renders.push_back(
-        run_stage(render.stage, report, watch, [&](const Observer& o) { return make_render(job, render.params, o); }));
+    renders.push_back(run_stage(render.stage, report, watch, [&](const Observer& o) {
+      return make_picture(job, render.params, PictureUse::to_look_at, o);
+    }));
   return renders;
 }
 
@@ -96,9 +101,11 @@ class Showing {
                repeated_calls(job, wavelengths, boxes.viewpoints), boxes.report, watch),
         sums(boxes.viewpoints.size(), CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths)),
         viewing_{job.slm, job.show, job.propagate, boxes.viewpoints},
+        conditions_(viewing_conditions(job.camera)),
         boxes_(boxes) {}
 
   void add(Hologram hologram) {
+    hologram.viewing = conditions_;
     boxes_.holograms.push_back(std::move(hologram));
     const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
     if (power_on_panel == 0) power_on_panel = power;
@@ -110,6 +117,7 @@ class Showing {
 
  private:
   Viewing viewing_;
+  ViewingConditions conditions_;
   Boxes& boxes_;
 };
 
@@ -197,19 +205,34 @@ References make_references(const Job& job, Report& report, const StageObserver& 
   return made;
 }
 
-// The light that a view should show: the traced light of its plane, or a render.
-ViewReference reference_of(const Job& job, const std::vector<Image>& radiances, const References& references,
-                           const Image& view, const ViewPlace& place) {
-  if (!radiances.empty())
-    return {.image = project_render(radiances.back(), place.half_tangent, sensor_at(place, view.ny, view.nx),
-                                    place.distance)};
+// A picture of the scene as a view of one plane should show it.
+Image picture_at(const Image& picture, const ViewPlace& place, const Image& view) {
+  return render_at(picture, place, view.ny, view.nx);
+}
+
+// The render that a view is compared with, on its pixels.
+ViewReference reference_of(const Job& job, const References& references, const Image& view, const ViewPlace& place) {
   const size_t render = size_t(place.render) - 1;
-  ViewReference reference{.image = render_at(references.renders[render], place, view.ny, view.nx)};
+  ViewReference reference{.image = picture_at(references.renders[render], place, view)};
   if (references.first_halves.empty()) return reference;
-  reference.mean = render_at(references.means[render], place, view.ny, view.nx);
-  reference.first_half = render_at(references.first_halves[render], place, view.ny, view.nx);
-  reference.part = double(plan_renders(job)[render].params.paths) / job.render.paths;
+  reference.mean = picture_at(references.means[render], place, view);
+  reference.first_half = picture_at(references.first_halves[render], place, view);
+  reference.part = aims_at_scene(job) ? 0 : double(plan_renders(job)[render].params.paths) / job.render.paths;
   return reference;
+}
+
+// The references of holograms that aim at the scene's light. The renders are the traced pictures of the targets, which have
+// most paths; through a pupil, those of the reference.
+References references_of_scene(const Job& job, const SceneTargets& targets, const Observer& observer) {
+  References made;
+  made.renders = targets.seen.pictures;
+  for (HalvedRender& halves : trace_scene_references(job, observer)) {
+    if (targets.seen.pictures.empty() || job.camera.pupil > 0) made.renders.resize(made.means.size());
+    if (made.renders.size() == made.means.size()) made.renders.push_back(halves.mean);
+    made.means.push_back(std::move(halves.mean));
+    made.first_halves.push_back(std::move(halves.first));
+  }
+  return made;
 }
 
 // Places that a viewer can focus on. A run is complete without them.
@@ -245,7 +268,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       o.fact("seed", job.render.seed);
       return trace_targets(job, o);
     });
-    b.renders = pictures_seen(*targets, job);
+    made = stage("render", [&](const Observer& o) { return references_of_scene(job, *targets, o); });
+    b.renders = made.renders;
   } else {
     made = make_references(job, b.report, watch);
     b.renders = made.renders;
@@ -271,8 +295,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
     const double distance = b.viewpoints[d].distance;
     places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, b.renders.size() - 1),
                               half_tangent_of(job, distance)));
-    if (targets) b.radiances.push_back(reference_of(*targets, job, d, places[d].wavelengths));
-    references.push_back(reference_of(job, b.radiances, made, b.views[d], places[d]));
+    references.push_back(reference_of(job, made, b.views[d], places[d]));
   }
   const CommonExposure white = common_exposure(b.views, references, b.renders, job.camera.exposure);
   b.white = white.view_white;
@@ -283,14 +306,11 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       const Image& view = b.views[d];
       const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
       const double incident = sums[d].relative_illumination() * showing.power_on_panel;
+      o.fact("lit_fraction_of_view", lit_fraction(view));
       if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
       report_place(places[d], o);
-      if (targets && !has_reference(*targets, job.camera))
-        o.fact("why_no_metrics", std::string("the render is the picture through the whole panel, and the camera has a "
-                                             "pupil; the target light-field, with the pupil in front of the panel, has "
-                                             "its picture too"));
-      else
-        report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
+      report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
+      report_lit_render(references[d].image, o);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);

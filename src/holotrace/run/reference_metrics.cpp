@@ -44,6 +44,18 @@ double uncertainty_of_peak(const ViewReference& reference, const Noise& noise, d
   return 0;
 }
 
+// Standard error of the noise that is taken out of the mean squared error. With e the view less the mean of both halves, and d
+// half of their difference, e² − d² has the noise 2·e·d at each pixel, to first order.
+double error_of_correction(const ViewReference& reference, const Image& view, double scale) {
+  double squares = 0;
+  for (size_t i = 0; i < view.values.size(); ++i) {
+    const double e = scale * double(view.values[i]) - double(reference.mean.values[i]);
+    const double d = double(reference.first_half.values[i]) - double(reference.mean.values[i]);
+    squares += 4 * e * e * d * d;
+  }
+  return (1 - reference.part) * std::sqrt(squares) / double(view.values.size());
+}
+
 bool has_light(const Image& image, double threshold) {
   return std::any_of(image.values.begin(), image.values.end(), [&](float v) { return v > 0 && v >= threshold; });
 }
@@ -74,11 +86,12 @@ BrightMetrics report_quick_metrics(const ViewReference& reference, const Image& 
   const double peak = *std::max_element(reference.image.values.begin(), reference.image.values.end());
   const Noise noise = noise_of(reference, peak);
   const double error = metrics.rms_error * metrics.rms_error;
-  // A view that is as near to the render as the render to itself: nothing is known beyond half of its error.
-  const double corrected = std::max(error - (1 - reference.part) * noise.variance, error / 2);
+  // Of a view that is as near to the truth as the noise lets one tell, no more is known.
+  const double unknown = error_of_correction(reference, view, metrics.scale);
+  const double corrected = std::max(error - (1 - reference.part) * noise.variance, unknown);
   observer.fact("psnr_db", decibels(peak / std::sqrt(corrected)));
   const double of_peak = uncertainty_of_peak(reference, noise, peak);
-  observer.fact("psnr_uncertainty_db", decibels(1 + of_peak) + 0.1 * decibels(std::sqrt(error / corrected)));
+  observer.fact("psnr_uncertainty_db", decibels(1 + of_peak) + decibels(std::sqrt(1 + 2 * unknown / corrected)));
   const auto ssim_for = [&](double peak) {
     return structural_similarity(reference.mean, view, metrics.scale, peak, noise.of_values);
   };

@@ -23,9 +23,9 @@ struct ViewReference {
 ///     psnr_db = 20·lg(L/√(E² − (1 − part)·⟨d²⟩)),   E the rms error of the mean, L the maximum of `image`
 ///
 /// ssim is that of the reference without such noise (structural_similarity.h). psnr_uncertainty_db is the possible error of
-/// L, and a tenth of the correction; ssim_uncertainty is the change of ssim by that error of L. L is certain if all pixels
+/// L, and that of twice this standard error; ssim_uncertainty is the change of ssim by that error of L. L is certain if all pixels
 /// within 3·σ of it have all paths (they differ from the mean). Else it may be too low by 3·σ. σ² is ⟨d²⟩ over the other
-/// pixels of at least L/2. Speckle contrast, uniformity and bright_fraction are extrapolated from the mean and its halves,
+/// pixels of at least L/2. E² − (1 − part)·⟨d²⟩ is taken as no less than its own standard error, (1 − part)·2·√Σe²d²/n. Speckle contrast, uniformity and bright_fraction are extrapolated from the mean and its halves,
 /// which have twice its noise.
 ///
 /// @param efficiency  fraction of the light on the panel that reaches the sensor

@@ -13,9 +13,6 @@
 namespace holotrace {
 namespace {
 
-// Paths of a quick reference: an even number.
-int quick_paths(int paths) { return 2 * (paths / 8 + (paths % 8 > 0)); }
-
 float brightest_channel(const Image& image, size_t pixel) {
   return *std::max_element(&image.values[3 * pixel], &image.values[3 * pixel] + 3);
 }
@@ -74,13 +71,19 @@ void render_brightest(const Job& job, const RenderParams& params, HalvedRender& 
                    1);
 }
 
-PlannedRender of_waves(const Job& job, const std::string& stage, RenderParams params) {
-  params.has_background = false;
-  if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
-  return {stage, params};
+PlannedRender of_waves(const Job& job, const std::string& stage, const RenderParams& params) {
+  return {stage, light_of_waves(job, params)};
 }
 
 }  // namespace
+
+RenderParams light_of_waves(const Job& job, RenderParams params) {
+  params.has_background = false;
+  if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
+  return params;
+}
+
+int quick_paths(int paths) { return 2 * (paths / 8 + (paths % 8 > 0)); }
 
 bool is_quick(const Job& job) {
   return job.render.reference == Reference::quick && quick_paths(job.render.paths) < job.render.paths;

@@ -26,6 +26,12 @@ std::vector<PlannedRender> plan_renders(const Job& job);
 /// job.render.eye_separation.
 std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 
+/// Parameters of a render that shows the light which makes waves: that of the job's path expressions, without the background.
+RenderParams light_of_waves(const Job& job, RenderParams params);
+
+/// Paths of a quick reference for a full one: a quarter, an even number.
+int quick_paths(int paths);
+
 /// A run has none with `reference = none`. With `quick` they have a quarter of the paths (at least 2), in two halves.
 /// @throws Error  as `render` does
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer = {});

@@ -41,15 +41,18 @@ class RepeatedStages {
   bool has_run(const std::string& name) const;
 
   /// Runs `work(observer)` as the end of a stage that has run. Its facts, curves, warnings and seconds are added to the
-  /// stage's entry.
+  /// stage's entry. The caller hears of its warnings only.
   template <class Work>
   void finish(const std::string& name, const Work& work) {
     Report once;
-    const auto quiet = [&](const std::string&) { return Observer{}; };
-    run_stage(name, once, quiet, [&](const Observer& o) {
-      work(o);
-      return true;
-    });
+    Observer warned;
+    warned.on_warning = [&](const std::string& sentence) { observer_of(name).warn(sentence); };
+    run_stage(
+        name, once, [&](const std::string&) { return warned; },
+        [&](const Observer& o) {
+          work(o);
+          return true;
+        });
     merge(std::move(once.stages.front()));
   }
 

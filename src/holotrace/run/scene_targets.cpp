@@ -2,197 +2,137 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
-#include "holotrace/trace/depth_range.h"
+#include "holotrace/run/denoised_pictures.h"
+#include "holotrace/run/renders.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/view/combine_views.h"
-#include "holotrace/view/diffraction_limit.h"
-#include "holotrace/view/pupil_picture.h"
 
 namespace holotrace {
 namespace {
 
 double shared_wavelength(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
 
-// One plane of a stack, in the light of some wavelengths, with the blur of the panel's aperture at one of them.
-Image limited(const FocalStack& stack, size_t plane, const std::vector<double>& wavelengths, double wavelength,
-              const Grid& panel) {
-  FocalStack one{stack.grid, {stack.distances[plane]}, {seen_at(stack.pictures[plane], wavelengths)}};
-  limit_to_panel(one, panel, wavelength);
-  return std::move(one.pictures.front());
-}
-
 // Side of the panel's part that a place p of a plane at distance d sees: |a − p| ≤ reach.
 double side_seen(double place, double half_side, double reach) {
   return std::max(0.0, std::min(half_side, place + reach) - std::max(-half_side, place - reach));
 }
 
-// Area of the largest part of the panel that a place at this distance sees.
-double largest_part(const Grid& panel, double reach) {
-  return std::min(panel.width(), 2 * reach) * std::min(panel.height(), 2 * reach);
+// The light of each plane becomes that of the part of the panel that a pixel sees.
+void dim_by_part_seen(std::vector<TargetPlane>& planes, const Grid& panel, double wavelength) {
+  for (TargetPlane& plane : planes) {
+    const double reach = box_radius(std::abs(plane.z), wavelength, panel.pitch);
+    const double largest = std::min(panel.width(), 2 * reach) * std::min(panel.height(), 2 * reach);
+    for (int j = 0; j < panel.ny; ++j)
+      for (int i = 0; i < panel.nx; ++i)
+        plane.amplitude(j, i) *= float(std::sqrt(side_seen(panel.x(i), panel.width() / 2, reach) *
+                                                 side_seen(panel.y(j), panel.height() / 2, reach) / largest));
+  }
 }
 
-Array2D<float> amplitude_of(const Image& light) {
-  Array2D<float> amplitude(light.ny, light.nx);
-  for (size_t i = 0; i < amplitude.size(); ++i) amplitude.values[i] = std::sqrt(std::max(0.0F, light.values[i]));
-  return amplitude;
-}
-
-double place_of(double distance, ImageSide image) { return image == ImageSide::real_image ? distance : -distance; }
-
-double eye_distance(const Job& job) { return job.camera.eye.z > 0 ? job.camera.eye.z : 0.3; }
-
-double pupil_diameter(const Job& job) { return job.camera.pupil > 0 ? job.camera.pupil : 2e-3; }
-
-// A view through a pupil: some samples of the plane at a distance from the panel.
-struct PupilView {
-  Pupil pupil;
-  double distance = 0;
-  Grid samples;
+// Light in one channel for each wavelength of a set of targets.
+template <class Light>
+struct OfWavelength {
+  double wavelength;
+  std::vector<Light> lights;
 };
 
-// The light of a view, relative to that of the planes, in the colours of the wavelengths and with the blur of the pupil
-// at one of them.
-Image light_through(const SceneTargets& targets, const Job& job, const PupilView& view,
-                    const std::vector<double>& wavelengths, double wavelength) {
-  const auto& [pupil, distance, samples] = view;
-  require(targets.light_field.has_value(), "expected a light field for the view through a pupil, got none");
-  const PupilPicture seen = picture_through(*targets.light_field, shared_wavelength(job), samples, distance, pupil);
-  Image light = seen_at(seen.radiance, wavelengths);
-  const Grid& panel = job.slm.grid;
-  const double largest = largest_part(panel, box_radius(distance, shared_wavelength(job), panel.pitch));
-  const double to_pupil = distance + pupil.centre.z;
-  const double solid = pi / 4 * std::pow(pupil.diameter * distance / to_pupil, 2) / largest;
-  Image channel(light.ny, light.nx, 1);
-  for (int c = 0; c < light.channels; ++c) {
-    const auto at = [&](size_t i) -> float& { return light.values[i * size_t(light.channels) + size_t(c)]; };
-    for (size_t i = 0; i < channel.values.size(); ++i) channel.values[i] = float(solid) * seen.open.values[i] * at(i);
-    limit_to_pupil(channel, samples.pitch, wavelength, to_pupil, pupil.diameter);
-    for (size_t i = 0; i < channel.values.size(); ++i) at(i) = channel.values[i];
-  }
-  return light;
+template <class Light>
+const std::vector<Light>& lights_at(const std::vector<OfWavelength<Light>>& all, double wavelength) {
+  for (const OfWavelength<Light>& one : all)
+    if (one.wavelength == wavelength) return one.lights;
+  fail("expected light at {}, got none", format_length(wavelength));
 }
 
-// Views for an update: pupils side by side over the eye's window, which is as large as the panel, the first one anywhere;
-// the plane in focus is any of the planes.
-ViewTargets draw_views(const SceneTargets& targets, const Job& job, int update, double wavelength) {
-  CounterRandom random(uint64_t(job.encode.seed), 1, uint64_t(update));
-  const std::vector<double>& distances = targets.planes.distances;
-  const double distance =
-      distances[std::min(distances.size() - 1, size_t(random.uniform() * double(distances.size())))];
-  const double diameter = pupil_diameter(job);
-  const Grid& panel = job.slm.grid;
-  ViewTargets views{.z = -distance, .wavelength = wavelength, .picture = {}, .pupils = {}, .amplitudes = {}};
-  // Centres of pupils along one axis of the window, from one edge to the other.
-  const auto centres = [&](double side) {
-    std::vector<double> values;
-    double at = -side / 2 - diameter / 2 + diameter * random.uniform();
-    while (at <= side / 2 + diameter / 2) {
-      if (std::abs(at) <= side / 2) values.push_back(at);
-      at += diameter;
+void add_views_everywhere(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths,
+                          TargetSet& set) {
+  const Pupil pupil = camera_pupil(job);
+  std::vector<OfWavelength<LightField>> lights;
+  for (const double wavelength : wavelengths)
+    lights.push_back({wavelength, {light_for_pupil(*targets.light_field, wavelength, pupil.diameter, pupil.centre.z)}});
+  set.draw_views = [job = &job, distances = targets.distances, lights](int update, double wavelength) {
+    return draw_views_everywhere(lights_at(lights, wavelength).front(), *job, distances, update, wavelength);
+  };
+}
+
+void add_views_of_eyes(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths,
+                       TargetSet& set) {
+  std::vector<OfWavelength<EyeLight>> lights;
+  for (const double wavelength : wavelengths) {
+    lights.push_back({wavelength, {}});
+    for (const EyeLight& eye : targets.eyes) {
+      lights.back().lights.push_back(
+          {eye.eye, light_for_pupil(eye.light, wavelength, pupil_of(job.encode), eye.eye.z)});
+      for (const double distance : targets.distances)
+        set.views.push_back(view_of_eye(lights.back().lights.back(), job, distance, wavelength));
     }
-    if (values.empty()) values.push_back(side * (random.uniform() - 0.5));
-    return values;
-  };
-  const std::vector<double> across = centres(panel.width()), down = centres(panel.height());
-  for (const double y : down)
-    for (const double x : across) views.pupils.push_back({{x, y, eye_distance(job)}, diameter});
-  views.picture = picture_grid(panel, views.pupils.front(), wavelength, views.z);
-  for (const Pupil& pupil : views.pupils)
-    views.amplitudes.push_back(
-        amplitude_of(light_through(targets, job, {pupil, distance, views.picture}, {wavelength}, wavelength)));
-  return views;
-}
-
-// Planes through ranges of depth, evenly spaced in 1/distance in each of them: no farther apart than `spacing` [1/m], or
-// at most so many in all, with about the same spacing in all ranges.
-std::vector<double> planes_through(const std::vector<DepthRange>& ranges, double spacing, int most) {
-  std::vector<int> planes(ranges.size(), 1);
-  const auto apart = [&](size_t k) {
-    const double length = 1 / ranges[k].nearest - 1 / ranges[k].farthest;
-    if (planes[k] == 1) return length > spacing / 100 ? std::numeric_limits<double>::infinity() : 0;
-    return length / (planes[k] - 1);
-  };
-  for (int all = int(ranges.size()); all < most; ++all) {
-    size_t widest = 0;
-    for (size_t k = 1; k < ranges.size(); ++k)
-      if (apart(k) > apart(widest)) widest = k;
-    if (apart(widest) <= spacing) break;
-    ++planes[widest];
   }
-  std::vector<double> distances;
-  for (size_t k = 0; k < ranges.size(); ++k) {
-    const double near = 1 / ranges[k].nearest, far = 1 / ranges[k].farthest;
-    for (int i = 0; i < planes[k]; ++i)
-      distances.push_back(1 / (planes[k] == 1 ? (near + far) / 2 : near + (far - near) * i / (planes[k] - 1)));
-  }
-  return distances;
+  for (const EyeLight& eye : targets.eyes) set.eyes.push_back(eye.eye);
+  set.draw_views = [job = &job, distances = targets.distances, lights](int update, double wavelength) {
+    const std::vector<EyeLight>& eyes = lights_at(lights, wavelength);
+    const int rounds = update / int(eyes.size());
+    return draw_view_in_box(eyes[size_t(update) % eyes.size()], *job, distances, rounds, wavelength);
+  };
 }
 
 }  // namespace
-
-TargetPlane view_target(const SceneTargets& targets, const Job& job, const Pupil& pupil, double distance,
-                        double wavelength) {
-  return {place_of(distance, job.encode.image),
-          wavelength,
-          amplitude_of(light_through(targets, job, {pupil, distance, job.slm.grid}, {wavelength}, wavelength)),
-          {},
-          pupil};
-}
 
 bool aims_at_scene(const Job& job) {
   return job.encode.method == Encoding::sgd &&
          (job.encode.target == EncodeTarget::render || job.encode.target == EncodeTarget::light_field);
 }
 
-std::vector<double> target_distances_of(const Job& job) {
-  if (!job.encode.target_distances.empty()) return job.encode.target_distances;
-  const double wavelength = shared_wavelength(job);
-  std::vector<DepthRange> ranges = depth_ranges(job.scene, job.slm.grid, wavelength);
-  require(
-      !ranges.empty(),
-      "expected something in the panel's window, {} wide, for target planes, found nothing; move the scene, or give "
-      "target_distances",
-      format_length(job.slm.grid.width()));
-  const double side = std::max(job.slm.grid.width(), job.slm.grid.height());
-  const double spacing = 2 * wavelength / (side * side);  // one depth of focus, in 1/distance
-  const int most = job.encode.planes > 0 ? job.encode.planes : most_target_planes;
-  if (int(ranges.size()) > most) ranges = {{ranges.front().nearest, ranges.back().farthest}};
-  return planes_through(ranges, spacing, most);
+bool aims_at_eyes(const Job& job) {
+  return aims_at_scene(job) && !job.encode.eye.empty() && !eyebox_of(job.encode).is_all;
+}
+
+Job with_eyes(Job job) {
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  if (eyes.empty()) return job;
+  if (job.encode.pupil == 0) job.encode.pupil = job.camera.pupil;
+  if (job.camera.pupil == 0) job.camera.pupil = pupil_of(job.encode);
+  if (job.camera.eye == Vec3{}) job.camera.eye = eyes.front();
+  if (eyebox_of(job.encode).is_all) job.encode.target = EncodeTarget::light_field;
+  return job;
 }
 
 SceneTargets trace_targets(const Job& job, const Observer& observer) {
-  const std::vector<double> distances = target_distances_of(job);
-  ScenePlanes planes{distances, {}};
-  planes.distances.insert(planes.distances.end(), job.camera.distances.begin(), job.camera.distances.end());
-  for (const double distance : planes.distances)
-    require(distance > 0, "expected distances above 0 m for target planes and views, got {}", format_length(distance));
-  if (job.encode.target == EncodeTarget::light_field) {
-    LightFieldParams cells;
-    cells.distance = distances[distances.size() / 2];
-    planes.light_field = cells;
+  SceneTargets targets;
+  targets.distances = target_distances_of(job);
+  warn_of_sparse_planes(job, observer);
+  for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
+    for (const double distance : distances)
+      require(distance > 0, "expected distances above 0 m for target planes and views, got {}",
+              format_length(distance));
+  const RenderParams params = light_of_waves(job, job.render);
+  if (aims_at_eyes(job)) {
+    targets.eyes = trace_eye_light(job, targets.distances[targets.distances.size() / 2], params, observer);
+  } else {
+    ScenePlanes planes{targets.distances, {}};
+    for (const double distance : job.camera.distances)
+      if (std::find(planes.distances.begin(), planes.distances.end(), distance) == planes.distances.end())
+        planes.distances.push_back(distance);
+    if (job.encode.target == EncodeTarget::light_field)
+      planes.light_field = LightFieldParams{.distance = targets.distances[targets.distances.size() / 2]};
+    SceneViews views = trace_scene_views(job.scene, job.slm.grid, shared_wavelength(job), planes, params, observer);
+    denoise_targets(job, views.stack.pictures, views.light_field.views, observer);
+    for (FocalStack* stack : {&targets.planes, &targets.seen}) stack->grid = views.stack.grid;
+    targets.seen.distances = job.camera.distances;
+    for (const double distance : job.camera.distances) {
+      const auto found = std::find(planes.distances.begin(), planes.distances.end(), distance);
+      targets.seen.pictures.push_back(views.stack.pictures[size_t(found - planes.distances.begin())]);
+    }
+    views.stack.pictures.resize(targets.distances.size());
+    targets.planes.distances = targets.distances;
+    targets.planes.pictures = std::move(views.stack.pictures);
+    if (planes.light_field) targets.light_field = std::move(views.light_field);
   }
-  RenderParams params = job.render;
-  params.has_background = false;
-  if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
-  SceneViews views = trace_scene_views(job.scene, job.slm.grid, shared_wavelength(job), planes, params, observer);
-  observer.fact("target_planes", distances.size());
-  observer.fact("nearest_plane", Fact(*std::min_element(distances.begin(), distances.end())));
-  observer.fact("farthest_plane", Fact(*std::max_element(distances.begin(), distances.end())));
-  SceneTargets targets{{views.stack.grid, {}, {}}, {views.stack.grid, {}, {}}, {}};
-  for (size_t k = 0; k < planes.distances.size(); ++k) {
-    FocalStack& to = k < distances.size() ? targets.planes : targets.seen;
-    to.distances.push_back(planes.distances[k]);
-    to.pictures.push_back(std::move(views.stack.pictures[k]));
-  }
-  if (planes.light_field) targets.light_field = std::move(views.light_field);
+  observer.fact("target_planes", targets.distances.size());
+  observer.fact("nearest_plane", Fact(*std::min_element(targets.distances.begin(), targets.distances.end())));
+  observer.fact("farthest_plane", Fact(*std::max_element(targets.distances.begin(), targets.distances.end())));
   return targets;
 }
 
@@ -209,56 +149,29 @@ std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& p
       "expected a focal stack with the panel's pitch {}, got {}; render it for this panel, or name its panel (--slm)",
       format_length(panel.pitch), format_length(stack.grid.pitch));
   std::vector<TargetPlane> planes;
-  for (size_t k = 0; k < stack.distances.size(); ++k)
-    planes.push_back({place_of(stack.distances[k], image),
-                      wavelength,
-                      amplitude_of(limited(stack, k, {wavelength}, wavelength, panel)),
-                      {},
-                      {}});
+  for (size_t k = 0; k < stack.distances.size(); ++k) {
+    const double z = image == ImageSide::real_image ? stack.distances[k] : -stack.distances[k];
+    planes.push_back({z, wavelength, Array2D<float>(panel.ny, panel.nx), {}});
+    const Image light = seen_at(stack.pictures[k], {wavelength});
+    for (size_t i = 0; i < light.values.size(); ++i)
+      planes.back().amplitude.values[i] = std::sqrt(std::max(0.0F, light.values[i]));
+  }
   return planes;
 }
 
 TargetSet targets_of(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths) {
-  const Grid& panel = job.slm.grid;
   TargetSet set;
+  if (!targets.eyes.empty()) {
+    add_views_of_eyes(targets, job, wavelengths, set);
+    return set;
+  }
   for (const double wavelength : wavelengths)
-    for (TargetPlane& plane : targets_of_stack(targets.planes, panel, wavelength, job.encode.image))
+    for (TargetPlane& plane : targets_of_stack(targets.planes, job.slm.grid, wavelength, job.encode.image))
       set.planes.push_back(std::move(plane));
   if (!targets.light_field) return set;
-  for (TargetPlane& plane : set.planes) {
-    const double reach = box_radius(std::abs(plane.z), shared_wavelength(job), panel.pitch);
-    const double largest = largest_part(panel, reach);
-    for (int j = 0; j < panel.ny; ++j)
-      for (int i = 0; i < panel.nx; ++i)
-        plane.amplitude(j, i) *= float(std::sqrt(side_seen(panel.x(i), panel.width() / 2, reach) *
-                                                 side_seen(panel.y(j), panel.height() / 2, reach) / largest));
-  }
-  set.draw_views = [&targets, job = &job](int update, double colour) {
-    return draw_views(targets, *job, update, colour);
-  };
+  dim_by_part_seen(set.planes, job.slm.grid, shared_wavelength(job));
+  add_views_everywhere(targets, job, wavelengths, set);
   return set;
-}
-
-bool has_reference(const SceneTargets& targets, const CameraParams& camera) {
-  return camera.pupil == 0 || (targets.light_field && camera.eye.z > 0);
-}
-
-std::vector<Image> pictures_seen(const SceneTargets& targets, const Job& job) {
-  if (job.camera.pupil == 0 || !has_reference(targets, job.camera)) return targets.seen.pictures;
-  std::vector<Image> pictures;
-  for (const double distance : targets.seen.distances)
-    pictures.push_back(picture_through(*targets.light_field, shared_wavelength(job), job.slm.grid, distance,
-                                       {job.camera.eye, job.camera.pupil})
-                           .radiance);
-  return pictures;
-}
-
-Image reference_of(const SceneTargets& targets, const Job& job, size_t plane, const std::vector<double>& wavelengths) {
-  if (job.camera.pupil > 0 && has_reference(targets, job.camera))
-    return light_through(targets, job,
-                         {{job.camera.eye, job.camera.pupil}, targets.seen.distances[plane], job.slm.grid}, wavelengths,
-                         shared_wavelength(job));
-  return limited(targets.seen, plane, wavelengths, shared_wavelength(job), job.slm.grid);
 }
 
 }  // namespace holotrace

@@ -26,7 +26,8 @@ struct TracedRay {
   float from[2], slope[2], weight, radiance[3];
 };
 
-/// The pictures that the rays are added to: one per plane, or for the light field one per cell.
+/// The pictures that the rays are added to: one per plane, or for the light field one per cell. Distances are those from the
+/// lens.
 struct Target {
   PixelPlane plane;
   int columns = 1, rows = 1;  // cells
@@ -68,10 +69,17 @@ void add_rays(const std::vector<std::vector<TracedRay>>& blocks, const Grid& pan
   });
 }
 
+/// The panel, or a part of a plane in front of it.
+struct StackLens {
+  Grid window;
+  double z = 0;        // [m]
+  double tangent = 0;  // largest slope of a ray along one axis
+};
+
 class StackTracing {
  public:
-  StackTracing(const PathScene& scene, const PanelRays& rays, const RenderParams& params)
-      : scene_(scene), rays_(rays), params_(params) {}
+  StackTracing(const PathScene& scene, const PanelRays& rays, double lens_z, const RenderParams& params)
+      : scene_(scene), rays_(rays), lens_z_(lens_z), params_(params) {}
 
   /// Traces the paths of some pixels of a plane, [first, last) row by row, and adds them to `found`.
   void trace(int plane, const Grid& grid, int64_t first, int64_t last, std::vector<TracedRay>& found,
@@ -87,8 +95,8 @@ class StackTracing {
         const auto ray = rays_.ray(plane, {column + place.x, row + place.y}, lens_place);
         if (!ray || numbers.one() >= rays_.keep_probability(plane, *ray, candidates)) continue;
         const Vec3 direction = normalize({ray->slope.x, ray->slope.y, -1});
-        const Vec3 light = radiance_along(scene_, {{ray->from.x, ray->from.y, 0}, direction}, params_.has_background,
-                                          numbers, sums, counts);
+        const Vec3 light = radiance_along(scene_, {{ray->from.x, ray->from.y, lens_z_}, direction},
+                                          params_.has_background, numbers, sums, counts);
         found.push_back({{float(ray->from.x), float(ray->from.y)},
                          {float(ray->slope.x), float(ray->slope.y)},
                          float(rays_.weight(*ray)),
@@ -100,16 +108,17 @@ class StackTracing {
  private:
   const PathScene& scene_;
   const PanelRays& rays_;
+  double lens_z_;
   const RenderParams& params_;
 };
 
 /// Traces the rays of all planes in turn, in bands of a size that memory holds, and adds them to the targets.
-PathCounts fill_targets(const PathScene& scene, const Grid& panel, double tangent, const RenderParams& params,
+PathCounts fill_targets(const PathScene& scene, const StackLens& lens, const RenderParams& params,
                         std::vector<Target>& targets, const Observer& observer) {
   std::vector<PixelPlane> planes;
   for (const Target& target : targets) planes.push_back(target.plane);
-  const PanelRays rays(panel, tangent, planes, paths_per_pixel(params));
-  const StackTracing tracing(scene, rays, params);
+  const PanelRays rays(lens.window, lens.tangent, planes, paths_per_pixel(params));
+  const StackTracing tracing(scene, rays, lens.z, params);
   constexpr int64_t pixels_per_block = 64, rays_per_band = int64_t(1) << 21;
   const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * paths_per_pixel(params)));
   PathCounts total;
@@ -126,7 +135,7 @@ PathCounts fill_targets(const PathScene& scene, const Grid& panel, double tangen
                       counts[size_t(i)]);
       });
       for (const PathCounts& one : counts) total += one;
-      add_rays(found, panel, targets);
+      add_rays(found, lens.window, targets);
       // The first plane has nearly all of the work.
       observer.progress(p == 0 ? 0.8 * double(band + in_band) / double(blocks)
                                : 0.8 + 0.2 * (double(p - 1) + double(band + in_band) / double(blocks)) /
@@ -137,19 +146,22 @@ PathCounts fill_targets(const PathScene& scene, const Grid& panel, double tangen
   return total;
 }
 
+void check_light_field(const LightFieldParams& p, const Grid& panel) {
+  const Grid& most = p.lens.pixels() > 0 ? p.lens : panel;
+  check_range(p.distance, range::positive, Quantity::length, " for the plane of the light field");
+  require(p.columns >= 1 && p.rows >= 1 && p.columns <= most.nx && p.rows <= most.ny,
+          "expected 1 to {} columns and 1 to {} rows of cells for the light field of a panel of that many pixels, got "
+          "{} and {}",
+          most.nx, most.ny, p.columns, p.rows);
+  if (p.plane.pixels() > 0) check_grid(p.plane);
+}
+
 void check_planes(const ScenePlanes& planes, const Grid& panel) {
   require(!planes.distances.empty() || planes.light_field,
           "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");
   for (const double distance : planes.distances)
     check_range(distance, range::positive, Quantity::length, " for a plane of the focal stack");
-  if (!planes.light_field) return;
-  const LightFieldParams& p = *planes.light_field;
-  check_range(p.distance, range::positive, Quantity::length, " for the plane of the light field");
-  require(p.columns >= 1 && p.rows >= 1 && p.columns <= panel.nx && p.rows <= panel.ny,
-          "expected 1 to {} columns and 1 to {} rows of cells for the light field of a panel of that many pixels, got "
-          "{} and {}",
-          panel.nx, panel.ny, p.columns, p.rows);
-  if (p.plane.pixels() > 0) check_grid(p.plane);
+  if (planes.light_field) check_light_field(*planes.light_field, panel);
 }
 
 /// The light field's plane, if there is one, and the others from far to near. `places` receives the place of each
@@ -158,7 +170,7 @@ std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, s
   std::vector<Target> targets;
   if (planes.light_field) {
     const LightFieldParams& p = *planes.light_field;
-    targets.push_back({{p.plane.pixels() > 0 ? p.plane : panel, p.distance}, p.columns, p.rows, {}});
+    targets.push_back({{p.plane.pixels() > 0 ? p.plane : panel, p.distance + p.lens_z}, p.columns, p.rows, {}});
     places.push_back(-1);
   }
   std::vector<int> order(planes.distances.size());
@@ -177,52 +189,78 @@ std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, s
   return targets;
 }
 
-}  // namespace
+/// The light field that a target has become, with its luminous points.
+LightField light_field_of(Target&& target, const Accelerator& scene, const Grid& panel, double wavelength,
+                          const StackLens& lens) {
+  LightField field{panel,
+                   lens.window,
+                   lens.z,
+                   target.columns,
+                   target.rows,
+                   target.plane.grid,
+                   target.plane.distance - lens.z,
+                   means_by_cell(std::move(target.sums), target.columns, target.rows)};
+  for (int cell = 0; cell < field.columns * field.rows; ++cell) {
+    const double left = field.left() + cell % field.columns * field.cell_width();
+    const double high = field.top() - cell / field.columns * field.cell_height();
+    const PanelPart part{
+        left, left + field.cell_width(), high - field.cell_height(), high, lens.z, lens.tangent, panel, wavelength};
+    draw_points(scene, part, target.plane, field.views[size_t(cell)]);
+  }
+  return field;
+}
 
-SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
-                             const RenderParams& params, const Observer& observer) {
+void check_tracing(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params) {
   check_scene(scene);
   check_grid(panel);
   check_wavelength(wavelength);
   check_ranges(params);
-  check_planes(planes, panel);
+}
 
-  const double tangent = acceptance_tangent(wavelength, panel.pitch);
+}  // namespace
+
+SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
+                             const RenderParams& params, const Observer& observer) {
+  check_tracing(scene, panel, wavelength, params);
+  check_planes(planes, panel);
+  const StackLens lens{panel, 0, acceptance_tangent(wavelength, panel.pitch)};
   const PathScene path_scene = make_path_scene(scene, params);
   std::vector<int> places;
   std::vector<Target> targets = make_targets(planes, panel, places);
-  const PathCounts counts = fill_targets(path_scene, panel, tangent, params, targets, observer);
+  const PathCounts counts = fill_targets(path_scene, lens, params, targets, observer);
 
   SceneViews views;
   views.stack = {panel, planes.distances, std::vector<Image>(planes.distances.size())};
-  PanelPart part{panel.x(-0.5), panel.x(panel.nx - 0.5), panel.y(panel.ny - 0.5), panel.y(-0.5), tangent, panel,
-                 wavelength};
+  const PanelPart whole{
+      panel.x(-0.5), panel.x(panel.nx - 0.5), panel.y(panel.ny - 0.5), panel.y(-0.5), 0, lens.tangent, panel,
+      wavelength};
   for (size_t t = 0; t < targets.size(); ++t) {
     Target& target = targets[t];
-    if (places[t] >= 0) {
-      Image& picture = views.stack.pictures[size_t(places[t])];
-      picture = means_by_pixel(std::move(target.sums.front()));
-      draw_points(path_scene.accelerator, part, target.plane, picture);
+    if (places[t] < 0) {
+      views.light_field = light_field_of(std::move(target), path_scene.accelerator, panel, wavelength, lens);
       continue;
     }
-    LightField& field = views.light_field;
-    field = {panel,
-             target.columns,
-             target.rows,
-             target.plane.grid,
-             target.plane.distance,
-             means_by_cell(std::move(target.sums), target.columns, target.rows)};
-    for (int cell = 0; cell < target.columns * target.rows; ++cell) {
-      PanelPart of_cell = part;
-      of_cell.left = field.left() + cell % target.columns * field.cell_width();
-      of_cell.right = of_cell.left + field.cell_width();
-      of_cell.high = field.top() - cell / target.columns * field.cell_height();
-      of_cell.low = of_cell.high - field.cell_height();
-      draw_points(path_scene.accelerator, of_cell, target.plane, field.views[size_t(cell)]);
-    }
+    Image& picture = views.stack.pictures[size_t(places[t])];
+    picture = means_by_pixel(std::move(target.sums.front()));
+    draw_points(path_scene.accelerator, whole, target.plane, picture);
   }
   report(counts, params.max_depth, observer);
   return views;
+}
+
+LightField trace_light_field(const Scene& scene, const Grid& panel, double wavelength, const LightFieldParams& field,
+                             const RenderParams& params, const Observer& observer) {
+  check_tracing(scene, panel, wavelength, params);
+  check_light_field(field, panel);
+  require(field.lens_z >= 0, "expected a lens on the panel or in front of it (z of 0 m or more), got z = {}",
+          format_length(field.lens_z));
+  const StackLens lens{field.lens.pixels() > 0 ? field.lens : panel, field.lens_z,
+                       acceptance_tangent(wavelength, panel.pitch)};
+  const PathScene path_scene = make_path_scene(scene, params);
+  std::vector<int> places;
+  std::vector<Target> targets = make_targets({{}, field}, panel, places);
+  report(fill_targets(path_scene, lens, params, targets, observer), params.max_depth, observer);
+  return light_field_of(std::move(targets.front()), path_scene.accelerator, panel, wavelength, lens);
 }
 
 FocalStack trace_focal_stack(const Scene& scene, const Grid& panel, double wavelength,

@@ -12,11 +12,13 @@
 
 namespace holotrace {
 
-/// The light field to trace: the number of cells of the panel, and the plane of the pixels.
+/// The light field to trace: the number of cells of the lens, and the plane of the pixels.
 struct LightFieldParams {
-  int columns = 8, rows = 8;  ///< cells along each side of the panel
+  int columns = 8, rows = 8;  ///< cells along each side of the lens
   double distance = 0.3;      ///< distance of the plane of the pixels from the panel [m]
   Grid plane{};               ///< pixels of that plane; without pixels: the panel's own grid
+  Grid lens{};                ///< window of the lens; without pixels: the panel
+  double lens_z = 0;          ///< z of the lens [m], 0 or more
 };
 
 /// The pictures to find in one tracing.
@@ -74,6 +76,13 @@ struct SceneViews {
 ///
 /// Cost: about 1 + 2·ln(farthest/nearest) renders of as many paths per pixel.
 SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
+                             const RenderParams& params, const Observer& observer = {});
+
+/// A light field alone, of the panel or of a lens in front of it: light for eyes there. In the definition above the lens then
+/// takes the place of the panel. Rays that pass beside the panel, or at larger angles than it accepts, count as well;
+/// picture_through (view/pupil_picture.h) leaves them out.
+/// @param params  paths: per pixel of its plane, shared among all cells
+LightField trace_light_field(const Scene& scene, const Grid& panel, double wavelength, const LightFieldParams& field,
                              const RenderParams& params, const Observer& observer = {});
 
 /// The focal stack alone.

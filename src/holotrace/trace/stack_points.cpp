@@ -59,9 +59,9 @@ std::vector<Share> shares(const Pixels& pixels, const Interval& lens, double pla
 void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPlane& plane, Image& picture) {
   const Grid& grid = plane.grid;
   const Pixels columns{grid.x(0), grid.pitch, grid.nx}, rows{grid.y(0), -grid.pitch, grid.ny};
-  const Vec3 centre{(part.left + part.right) / 2, (part.low + part.high) / 2, 0};
+  const Vec3 centre{(part.left + part.right) / 2, (part.low + part.high) / 2, part.z};
   for (const ScenePoint& point : scene.scene().points) {
-    const double depth = -point.position.z;
+    const double depth = part.z - point.position.z;
     const auto across = shares(columns, {part.left, part.right}, point.position.x, depth, plane.distance, part.tangent);
     const auto down = shares(rows, {part.low, part.high}, point.position.y, depth, plane.distance, part.tangent);
     if (across.empty() || down.empty() || scene.is_occluded(centre, point.position)) continue;

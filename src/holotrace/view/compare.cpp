@@ -116,6 +116,17 @@ BrightMetrics compare_bright(const Image& reference, const Image& image, double 
           .uniformity = uniformity_of(std::move(ratios))};
 }
 
+double psnr_of_black(const Image& reference) {
+  check_finite(reference, "reference");
+  double peak = 0, squares = 0;
+  for (const float v : reference.values) {
+    peak = std::max(peak, double(v));
+    squares += double(v) * v;
+  }
+  require(peak > 0, "expected a reference with light in it, got one whose maximum is {}", peak);
+  return 20 * std::log10(peak / std::sqrt(squares / double(reference.values.size())));
+}
+
 double speckle_contrast(const Image& image) {
   check_finite(image, "image");
   double sum = 0, squares = 0;

@@ -46,6 +46,10 @@ Metrics compare(const Image& reference, const Image& image, const CompareParams&
 /// The same over the pixels whose reference is at least a threshold [unit of the reference] alone; the sizes must agree.
 BrightMetrics compare_bright(const Image& reference, const Image& image, double threshold);
 
+/// The PSNR of a black image [dB], 20·log₁₀(L/root mean square of the reference): what an image without any light has.
+/// @throws Error  for a reference without light
+double psnr_of_black(const Image& reference);
+
 /// Standard deviation over mean of all values: 1 for fully developed speckle, 1/√M for the mean of M such frames; 0 for
 /// an image without light.
 double speckle_contrast(const Image& image);

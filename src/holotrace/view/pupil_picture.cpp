@@ -22,43 +22,54 @@ struct AxisCells {
   std::vector<double> edges;     // their count + 1 borders, from the disc's centre in radii, within −1 … 1
   std::vector<double> segments;  // area of the disc below each border
   std::vector<double> places;    // for each cell: where its picture is read, in pixels along this axis
+  std::vector<double> open;      // for each cell: the part of it that light reaches; 1 where edges leave the rest out
 };
 
-/// One axis of the panel, and how rays cross it. Places grow with the index of cells and pixels: y points down here.
+/// One axis of the lens, and how rays cross it. Places grow with the index of cells and pixels: y points down here.
 struct Axis {
-  double panel_low, cell;  // border of the first cell, and size of a cell [m]
+  double lens_low, cell;  // border of the first cell, and size of a cell [m]
   int cells;
+  double panel_low, panel_high;   // sides of the panel [m]
   double view_first, view_pitch;  // centre of the first pixel of the cells' pictures, and their pitch [m]
   double eye;                     // centre of the pupil [m]
 };
 
 struct Geometry {
-  double distance, view_distance;  // planes of the picture, and of the cells' pictures [m]
-  double share;                    // d/(d + e_z)
+  double distance, view_distance;  // planes of the picture, and of the cells' pictures, from the lens [m]
+  double share;                    // (d + l)/(d + e_z)
   double radius;                   // of the footprint [m]
   double reach;                    // of the acceptance box [m]
+  double beyond_panel;             // (d + l)/d: the panel on the lens, as a point of the picture sees it
 };
+
+/// Whether pupils lie in the lens: the footprint of all pixels is then the pupil itself.
+bool is_same_for_all(const Geometry& geometry) { return geometry.share == 1; }
 
 AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel) {
   const double centre = pixel + (axis.eye - pixel) * geometry.share;
-  const double low = std::max({axis.panel_low, pixel - geometry.reach, centre - geometry.radius});
-  const double high =
-      std::min({axis.panel_low + axis.cell * axis.cells, pixel + geometry.reach, centre + geometry.radius});
+  const auto on_lens = [&](double side) { return pixel + (side - pixel) * geometry.beyond_panel; };
+  const double lens_high = axis.lens_low + axis.cell * axis.cells;
+  const double low_open = std::max({axis.lens_low, pixel - geometry.reach, on_lens(axis.panel_low)});
+  const double high_open = std::min({lens_high, pixel + geometry.reach, on_lens(axis.panel_high)});
   AxisCells result;
-  if (!(low < high)) return result;
-  result.first = std::clamp(int((low - axis.panel_low) / axis.cell), 0, axis.cells - 1);
-  const int last = std::clamp(int(std::ceil((high - axis.panel_low) / axis.cell)) - 1, result.first, axis.cells - 1);
+  if (!(std::max(low_open, centre - geometry.radius) < std::min(high_open, centre + geometry.radius))) return result;
+  // What cuts the footprint of this pixel: nothing but the lens if all pixels have the same one, whose areas are found once.
+  const bool is_same = is_same_for_all(geometry);
+  const double low = std::max(is_same ? axis.lens_low : low_open, centre - geometry.radius);
+  const double high = std::min(is_same ? lens_high : high_open, centre + geometry.radius);
+  result.first = std::clamp(int((low - axis.lens_low) / axis.cell), 0, axis.cells - 1);
+  const int last = std::clamp(int(std::ceil((high - axis.lens_low) / axis.cell)) - 1, result.first, axis.cells - 1);
   result.count = last - result.first + 1;
   for (int i = 0; i <= result.count; ++i) {
-    const double border = std::clamp(axis.panel_low + axis.cell * (result.first + i), low, high);
+    const double border = std::clamp(axis.lens_low + axis.cell * (result.first + i), low, high);
     const double edge = std::clamp((border - centre) / geometry.radius, -1.0, 1.0);
     result.edges.push_back(edge);
     result.segments.push_back(disc_area_below(edge));
   }
   for (int i = 0; i < result.count; ++i) {
-    const double from = axis.panel_low + axis.cell * (result.first + i);
-    const double seen_low = std::max(from, pixel - geometry.reach);
-    const double seen_high = std::min(from + axis.cell, pixel + geometry.reach);
+    const double from = axis.lens_low + axis.cell * (result.first + i);
+    const double seen_low = std::max(from, low_open), seen_high = std::min(from + axis.cell, high_open);
+    result.open.push_back(is_same ? std::max(0.0, seen_high - seen_low) / axis.cell : 1);
     const double place = (seen_low + seen_high) / 2;
     const double at = place + (pixel - place) * geometry.view_distance / geometry.distance;
     result.places.push_back((at - axis.view_first) / axis.view_pitch);
@@ -102,18 +113,29 @@ double corner_area(const AxisCells& x, const AxisCells& y, size_t i, size_t j) {
   return disc_area_below(u, v);
 }
 
-/// Adds the pictures of all cells that the footprint of one pixel touches. @return area of the footprint [radii²]
-double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y, float* sum) {
-  double total = 0;
+/// Area of the disc in each of the touched cells [radii²], row by row.
+void find_areas(const AxisCells& x, const AxisCells& y, std::vector<double>& areas) {
+  areas.resize(size_t(x.count) * size_t(y.count));
   for (int j = 0; j < y.count; ++j) {
-    const Between row = between(y.places[size_t(j)], field.plane.ny);
     double above = corner_area(x, y, 0, size_t(j)), below = corner_area(x, y, 0, size_t(j) + 1);
     for (int i = 0; i < x.count; ++i) {
       const double above_next = corner_area(x, y, size_t(i) + 1, size_t(j));
       const double below_next = corner_area(x, y, size_t(i) + 1, size_t(j) + 1);
-      const double area = below_next - below - (above_next - above);
+      areas[size_t(j) * size_t(x.count) + size_t(i)] = below_next - below - (above_next - above);
       above = above_next;
       below = below_next;
+    }
+  }
+}
+
+/// Adds the pictures of all cells that the footprint of one pixel touches. @return area of the footprint [radii²]
+double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y, const std::vector<double>& areas,
+                 float* sum) {
+  double total = 0;
+  for (int j = 0; j < y.count; ++j) {
+    const Between row = between(y.places[size_t(j)], field.plane.ny);
+    for (int i = 0; i < x.count; ++i) {
+      const double area = areas[size_t(j) * size_t(x.count) + size_t(i)] * x.open[size_t(i)] * y.open[size_t(j)];
       if (area < 1e-9) continue;
       total += area;
       const size_t cell = size_t(y.first + j) * size_t(field.columns) + size_t(x.first + i);
@@ -125,6 +147,7 @@ double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y
 
 void check_light_field(const LightField& field) {
   check_grid(field.panel);
+  check_grid(field.lens);
   check_grid(field.plane);
   require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
           "expected a light field with a picture for each of its {} x {} cells, got {}", field.columns, field.rows,
@@ -159,27 +182,51 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
 
-  const double share = distance / (distance + pupil.centre.z);
-  const Geometry geometry{distance, light_field.distance, share, pupil.diameter / 2 * share,
-                          box_radius(distance, wavelength, light_field.panel.pitch)};
-  const Grid& view = light_field.plane;
-  const Axis across{light_field.left(), light_field.cell_width(), light_field.columns, view.x(0), view.pitch,
+  require(pupil.centre.z >= light_field.lens_z,
+          "expected a pupil on the lens of the light field or in front of it, got one behind it");
+
+  const double from_lens = distance + light_field.lens_z, share = from_lens / (distance + pupil.centre.z);
+  const Grid &panel = light_field.panel, &view = light_field.plane;
+  const Geometry geometry{from_lens,
+                          light_field.distance + light_field.lens_z,
+                          share,
+                          pupil.diameter / 2 * share,
+                          box_radius(from_lens, wavelength, panel.pitch),
+                          from_lens / distance};
+  const Axis across{light_field.left(),
+                    light_field.cell_width(),
+                    light_field.columns,
+                    panel.x(-0.5),
+                    panel.x(panel.nx - 0.5),
+                    view.x(0),
+                    view.pitch,
                     pupil.centre.x};
-  const Axis down{-light_field.top(), light_field.cell_height(), light_field.rows, -view.y(0), view.pitch,
+  const Axis down{-light_field.top(),
+                  light_field.cell_height(),
+                  light_field.rows,
+                  -panel.y(-0.5),
+                  -panel.y(panel.ny - 0.5),
+                  -view.y(0),
+                  view.pitch,
                   -pupil.centre.y};
   std::vector<AxisCells> columns;
   for (int column = 0; column < grid.nx; ++column) columns.push_back(touched_cells(across, geometry, grid.x(column)));
 
+  const auto lit = std::find_if(columns.begin(), columns.end(), [](const AxisCells& cells) { return cells.count > 0; });
   const int channels = light_field.views.front().channels;
   PupilPicture picture{make_image(grid, channels), make_image(grid, 1)};
   parallel_for(0, grid.ny, [&](int64_t row) {
     const AxisCells rows = touched_cells(down, geometry, -grid.y(double(row)));
     if (rows.count == 0) return;
+    std::vector<double> areas;
+    const bool is_same = is_same_for_all(geometry);
+    if (is_same && lit != columns.end()) find_areas(*lit, rows, areas);
     for (int column = 0; column < grid.nx; ++column) {
       const AxisCells& cells = columns[size_t(column)];
       if (cells.count == 0) continue;
+      if (!is_same) find_areas(cells, rows, areas);
       std::array<float, 3> sum{};
-      const double area = add_cells(light_field, cells, rows, sum.data());
+      const double area = add_cells(light_field, cells, rows, areas, sum.data());
       if (!(area > 0)) continue;
       picture.open(int(row), column) = float(std::min(1.0, area / pi));
       for (int c = 0; c < channels; ++c) picture.radiance(int(row), column, c) = sum[size_t(c)] / float(area);

@@ -16,13 +16,13 @@ struct PupilPicture {
 /// The picture in the plane z = −distance that an eye focused on it sees through the panel: shift and add of the
 /// pictures of the light field's cells.
 ///
-/// The rays from a point p of the plane to the pupil (centre e, diameter D, at z = e_z) cross the panel in a disc, the
-/// pupil's footprint:
+/// The rays from a point p of the plane to the pupil (centre e, diameter D, at z = e_z) cross the lens (at z = l) in a disc,
+/// the pupil's footprint:
 ///
-///     centre p + (e − p)·d/(d + e_z),   radius (D/2)·d/(d + e_z)
+///     centre p + (e − p)·(d + l)/(d + e_z),   radius (D/2)·(d + l)/(d + e_z)
 ///
-/// A cell's weight is the area of the footprint that lies in it and in the acceptance box |a − p| ≤ d·T of the pixel.
-/// The cell's picture is read where the ray from the cell's centre through p crosses the light field's plane, between
+/// A cell's weight is the area of the footprint that lies in it, in the acceptance box |a − p| ≤ (d + l)·T of the pixel, and
+/// in the panel as the pixel sees it on the lens. The cell's picture is read where the ray from the cell's centre through p crosses the light field's plane, between
 /// the pixels' centres (bilinear); outside its window, the nearest pixel counts. `open` is the sum of the weights over
 /// the area of the footprint. The picture is exact, but for the pixels' size, in the light field's own plane for light
 /// that is even over a cell. Elsewhere it has the blur of a cell, |d − D|/D times its side for objects at depth D.
@@ -31,7 +31,7 @@ struct PupilPicture {
 /// @param wavelength   used for the acceptance [m]
 /// @param grid         pixels of the picture
 /// @param distance     of the plane from the panel [m], > 0
-/// @throws Error       for a pupil that is not in front of the panel or has no area, a distance that is not above 0,
+/// @throws Error       for a pupil that is not in front of the panel, is behind the lens or has no area, a distance that is not above 0,
 ///                     and a light field whose pictures do not have its own size
 ///
 /// Cost: a few cells per pixel: those that the footprint touches.

@@ -10,8 +10,8 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/files/output.h"
 #include "holotrace/io/files/progress_file.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/run/choose.h"
@@ -23,16 +23,6 @@ namespace holotrace {
 namespace {
 
 namespace fs = std::filesystem;
-
-// NAME, NAME_2, … as far as they exist.
-std::vector<std::string> series(const fs::path& first) {
-  std::vector<std::string> paths;
-  std::error_code ignored;
-  for (std::string path = first.string(); fs::is_regular_file(path, ignored);
-       path = numbered_path(first.string(), paths.size()))
-    paths.push_back(path);
-  return paths;
-}
 
 bool is_one_of(const std::string& text, std::initializer_list<const char*> known) {
   return std::find(known.begin(), known.end(), text) != known.end();
@@ -126,22 +116,18 @@ std::vector<Sources> load_series_of_sources(const std::vector<std::string>& path
   return sets;
 }
 
-void add_folder(const fs::path& folder, const ContentsParams& params, Contents& contents) {
-  const std::vector<std::string> holograms = series(folder / "hologram.png");
-  add_holograms(holograms, params, contents);
-  if (holograms.empty() && fs::exists(folder / "field.npy"))
-    add_fields((folder / "field.npy").string(), params, contents);
-  if (holograms.empty() && contents.items.empty() && contents.problems.empty())
+void add_folder(const std::string& folder, const ContentsParams& params, Contents& contents) {
+  const RunFolder run = list_run(folder);
+  add_holograms(run.holograms, params, contents);
+  if (run.holograms.empty() && !run.field.empty()) add_fields(run.field, params, contents);
+  if (run.holograms.empty() && contents.items.empty() && contents.problems.empty())
     contents.problems.push_back(
         "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
         "holotrace run has written them");
-  std::vector<std::string> points = series(folder / "sources.ply");
-  if (points.empty()) points = series(folder / run_points);
-  add_points(load_series_of_sources(points, contents.problems), contents);
-  for (const std::string& view : series(folder / run_view))
+  add_points(load_series_of_sources(run.points, contents.problems), contents);
+  for (const std::string& view : run.views)
     if (const auto render = render_of_view(view)) contents.renders.push_back(*render);
-  if (fs::is_regular_file(folder / "report.json"))
-    attempt(contents.problems, [&] { contents.report = read_text((folder / "report.json").string(), most_text); });
+  if (!run.report.empty()) attempt(contents.problems, [&] { contents.report = read_text(run.report, most_text); });
 }
 
 void add_scene(const std::string& path, const ContentsParams& params, Contents& contents) {
@@ -168,8 +154,8 @@ void add_sources(const std::string& path, const ContentsParams& params, Contents
 std::vector<fs::path> watched(const std::vector<std::string>& paths) {
   std::vector<fs::path> files;
   for (const std::string& path : paths)
-    if (fs::is_directory(path))
-      for (const char* name : {"report.json", "hologram.png", "field.npy"}) files.push_back(fs::path(path) / name);
+    if (is_folder(path))
+      for (const char* name : {"report.json", run_hologram, "field.npy"}) files.push_back(fs::path(path) / name);
     else
       files.emplace_back(path);
   return files;
@@ -189,7 +175,7 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
   for (const std::string& one : paths)
     require(fs::exists(one, ignored) || running_progress(fs::path(one).parent_path().string()),
             "expected a folder, holograms, a field, sources or a scene to view, but {} does not exist", one);
-  if (paths.size() == 1 && fs::is_directory(path, ignored)) {
+  if (paths.size() == 1 && is_folder(path)) {
     contents.kind = "folder";
     add_folder(path, params, contents);
     return contents;

@@ -133,12 +133,18 @@ void Session::load() {
   ++readings_;
   defaults_ = ViewState();
   limit_propagator_cache(bytes_of_transfer(contents_->items));
+  const std::vector<ViewedItem>& items = contents_->items;
+  const bool is_viewing_known = !items.empty() && items.front().hologram.viewing.are_known();
+  if (is_viewing_known) {
+    defaults_.camera = camera_in(items.front().hologram.viewing);
+    defaults_.camera.distances.resize(1);
+  }
   if (!contents_->renders.empty()) {
     const ViewPlace& place = contents_->renders.front().place;
-    defaults_.camera.distances = {place.distance};
-    if (!contents_->items.empty())
-      defaults_.camera.binning = std::max(1, int(std::lround(place.pixel / contents_->items.front().slm.grid.pitch)));
-  } else if (!contents_->points.empty()) {
+    if (!is_viewing_known) defaults_.camera.distances = {place.distance};
+    if (!items.empty())
+      defaults_.camera.binning = std::max(1, int(std::lround(place.pixel / items.front().slm.grid.pitch)));
+  } else if (!is_viewing_known && !contents_->points.empty()) {
     std::vector<double> depths;
     for (const SpacePoint& point : contents_->points) depths.push_back(-point.place.z);
     std::nth_element(depths.begin(), depths.begin() + std::ptrdiff_t(depths.size() / 2), depths.end());

@@ -40,6 +40,10 @@ std::string Session::command_line(const Query& query) {
   Query full = query;
   full.erase("draft");
   full.try_emplace("distance", fmt::format("{} m", state.camera.distances.front()));
+  if (defaults_.camera.pupil > 0) {
+    full.try_emplace("pupil", fmt::format("{} m", state.camera.pupil));
+    full.try_emplace("eye", fmt::format("{} {} {} m", state.camera.eye.x, state.camera.eye.y, state.camera.eye.z));
+  }
   if (defaults_.camera.binning != 0) full.try_emplace("binning", fmt::format("{}", defaults_.camera.binning));
   for (const std::string& argument : show_arguments(full)) line.append(" ").append(shell_word(argument));
   return line + " -o view.png";
@@ -110,7 +114,11 @@ std::string Session::describe() {
                      {"wavelength_m", wavelength},
                      {"acceptance_tangent", std::min(10.0, acceptance_tangent(wavelength, panel.pitch))}};
   }
-  json["defaults"] = {{"distance_m", defaults_.camera.distances.front()}, {"binning", defaults_.camera.binning}};
+  const CameraParams& camera = defaults_.camera;
+  json["defaults"] = {{"distance_m", camera.distances.front()},
+                      {"pupil_m", camera.pupil},
+                      {"eye_m", {camera.eye.x, camera.eye.y, camera.eye.z}},
+                      {"binning", camera.binning}};
   // Without the hundredth of the points at either end: some images in glass lie very far away.
   std::vector<double> depths;
   for (const SpacePoint& point : contents_->points) depths.push_back(-point.place.z);

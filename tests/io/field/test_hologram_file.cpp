@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <tuple>
 
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
@@ -99,6 +101,51 @@ TEST(HologramFile, GreysAreRawAndMeanTheSameForAnyLevels) {
   EXPECT_EQ(greys(Modulation::phase, 3).level(0, 2), 171);  // round(2·256/3)
   EXPECT_EQ(greys(Modulation::amplitude, 2).level(0, 1), 255);
   EXPECT_EQ(greys(Modulation::phase, 1024).level(0, 1), 64);  // of 65536
+}
+
+TEST(HologramFile, KnowsHowItsRunLooked) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(256, Modulation::phase);
+  hologram.viewing = {{0.2970123456789, 0.303}, 3e-3, {1e-3, -2e-3, 0.25}};
+  save_hologram(path, hologram);
+  for (const ViewingConditions& viewing : {load_hologram(path).viewing, viewing_of_file(path)}) {
+    EXPECT_EQ(viewing.distances, hologram.viewing.distances);  // to the last bit
+    EXPECT_EQ(viewing.pupil, 3e-3);
+    EXPECT_EQ(viewing.eye, hologram.viewing.eye);
+  }
+  const std::string text = test::png_text(path, "holotrace");
+  for (const auto& [from, to, words] :
+       {std::tuple{"0.303", "-0.3", "distances, a pupil and an eye's z of 0 m or more"},
+        std::tuple{"[0.001,-0.002,0.25]", "[0.001,0.25]", "expected three numbers for \"eye_m\", got 2"},
+        std::tuple{"\"pupil_m\":0.003", "\"pupil_m\":\"3 mm\"", "expected a number for \"pupil_m\""},
+        std::tuple{"0.303]", "null]", "expected a list of finite numbers for \"distances_m\""}}) {
+    ASSERT_NE(text.find(from), std::string::npos) << text;
+    test::set_png_text(path, "holotrace", replace_all(text, from, to));
+    for (const std::string& error : {error_of([&] { load_hologram(path); }), error_of([&] { viewing_of_file(path); })})
+      EXPECT_NE(error.find(words), std::string::npos) << error;
+  }
+  // Without a pupil the light of the whole panel is seen, wherever the eye is.
+  CameraParams camera;
+  camera.eye = {0, 0, 0.25};
+  camera.distances = {0.1};
+  hologram.viewing = viewing_conditions(camera);
+  save_hologram(path, hologram);
+  EXPECT_EQ(viewing_of_file(path).eye, Vec3());
+  EXPECT_EQ(camera_in(viewing_of_file(path)).distances, camera.distances);
+}
+
+// Files of earlier versions, those of other programs, and metadata beside the file.
+TEST(HologramFile, MayNotKnowHowItsRunLooked) {
+  const std::string path = temporary("h.png");
+  Hologram hologram = all_levels(256, Modulation::phase);
+  save_hologram(path, hologram);
+  EXPECT_EQ(test::png_text(path, "holotrace").find("viewing"), std::string::npos);
+  EXPECT_FALSE(load_hologram(path).viewing.are_known() || viewing_of_file(path).are_known());
+  EXPECT_EQ(camera_in(viewing_of_file(path)).distances, CameraParams().distances);
+  test::drop_metadata(path);
+  EXPECT_FALSE(viewing_of_file(path).are_known());
+  write_text(sidecar_path(path), R"({"pitch_m": 3e-6, "wavelength_m": 450e-9, "viewing": {"distances_m": [0.1]}})");
+  EXPECT_EQ(viewing_of_file(path).distances, std::vector<double>{0.1});
 }
 
 TEST(HologramFile, WithoutMetadataTheCallerSaysTheRest) {

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <vector>
 
+#include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/denoise.h"
 
 // encode: Field → Hologram
 
@@ -81,6 +84,21 @@ inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, tar
 inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
 
+/// Pupil and diameter of the eyebox of eyes that are given without them [m].
+inline constexpr double eye_pupil = 3e-3, eye_box = 2e-3;
+
+/// Where the middle of a pupil may be, about an eye in its plane: an ellipse, a rectangle, or anywhere before the panel.
+struct Eyebox {
+  double width = 0, height = 0;  ///< [m]
+  bool is_round = false, is_all = false;
+
+  /// Whether the offset of a pupil from the eye is within the box.
+  bool holds(double x, double y) const {
+    if (!is_round) return std::abs(x) <= width / 2 && std::abs(y) <= height / 2;
+    return std::hypot(x, y) <= width / 2;
+  }
+};
+
 /// How the field on the panel becomes the levels of its pixels.
 struct EncodeParams {
   Encoding method = Encoding::automatic;       ///< what a pixel's level represents
@@ -95,8 +113,12 @@ struct EncodeParams {
   /// need one. 1: no stop.
   double stop = 0;
   EncodeTarget target = EncodeTarget::automatic;  ///< what iterations aim at
+  Denoise denoise = Denoise::automatic;           ///< targets render, light-field: which are denoised
   Quality quality = Quality::automatic;           ///< scenes: chooses frames, planes, iterations and paths not given
   std::vector<double> target_distances{};  ///< iterations: distances of the target planes from the panel [m], ≥ 0
+  std::vector<double> eye{};               ///< eyes that the light is for: x, y and z of each [m]; none: all that look
+  double pupil = 0;                        ///< diameter of their pupils [m]; 0: eye_pupil
+  std::vector<std::string> eyebox{};       ///< box about each eye: diameter, width and height, or "all"; none: eye_box
   int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 16, or by quality
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
@@ -145,12 +167,24 @@ void describe(Visitor& v, EncodeParams& p) {
            "light in planes through the scene (render); that light and the views through pupils (light-field); auto: "
            "light-field for a camera with a pupil in front of the panel, else render");
   v.choice(
+      "denoise", p.denoise, denoise_names,
+      "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: where their noise "
+      "is visible (auto); none; or all");
+  v.choice(
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
       "per pixel, where none is given; draft: 4, 10, 50, 64; good: 8, 16, 150, 128; best: 16, 24, 300, 256; auto: "
       "draft; with draft, good or best the method is sgd");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
+  v.lengths("eye", p.eye, range::any,
+            "sgd, scenes: position x y z of the eye that the light is for, in front of the panel (z above 0 m); three "
+            "lengths for each of several eyes; empty: light for the whole space before the panel");
+  v.length("pupil", p.pupil, range::not_negative, "diameter of the eye's pupil; 0 m: the camera's, or 3 mm");
+  v.texts(
+      "eyebox", p.eyebox,
+      "places of the pupil's middle around the eye that see the scene: diameter (\"2 mm\"), width and height (\"6 2 "
+      "mm\"), or \"all\" places before the panel; empty: 2 mm");
   v.count("planes", p.planes, range::not_negative,
           "targets render, light-field: largest number of planes through the scene, if target_distances gives none; 0: "
           "16, or as quality says");
@@ -188,6 +222,15 @@ void describe(Visitor& v, EncodeParams& p) {
       "panel effects that the encoding compensates: calibration; with sgd also crosstalk, gaps, aberration, phase-map, "
       "light-map, dead-pixels; or all");
 }
+
+/// The eyes of an encoding. @throws Error  unless there are three lengths for each, and z is above 0
+std::vector<Vec3> eyes_of(const EncodeParams& params);
+
+/// The box about each eye. @throws Error  for a text that is neither one or two lengths above 0 nor "all"
+Eyebox eyebox_of(const EncodeParams& params);
+
+/// The diameter of the pupils of the eyes [m].
+inline double pupil_of(const EncodeParams& params) { return params.pupil > 0 ? params.pupil : eye_pupil; }
 
 template <>
 inline constexpr bool runs_on_all_devices<EncodeParams> = true;  // sgd: check_encode_params

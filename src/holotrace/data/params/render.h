@@ -7,6 +7,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/denoise.h"
 
 // render: Scene → Image
 
@@ -38,6 +39,7 @@ struct RenderParams {
   std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
   bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
+  Denoise denoise = Denoise::automatic;             ///< which pictures are denoised
   Reference reference = Reference::quick;  ///< of `run`: whether and how well it renders what its views should show
   int64_t seed = 1;                        ///< seed for all random numbers
 };
@@ -77,6 +79,10 @@ void describe(Visitor& v, RenderParams& p) {
   v.choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
       "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");
+  v.choice(
+      "denoise", p.denoise, denoise_names,
+      "denoising of pictures by Open Image Denoise 2, if it is installed: pictures to look at, which are PNG files (auto); "
+      "none; or also radiance, in EXR and HDF5 files (all); references of metrics stay as they are");
   v.choice(
       "reference", p.reference, {{"none", Reference::none}, {"quick", Reference::quick}, {"full", Reference::full}},
       "renders that run compares its views with: none (no metrics), quick (a quarter of the paths, and metrics without their noise) or full");

@@ -1,5 +1,6 @@
 #include "holotrace/io/field/hologram_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -139,6 +140,32 @@ std::vector<JointColour> colours_from(const nlohmann::json& json, const std::str
   return colours;
 }
 
+nlohmann::ordered_json to_json(const ViewingConditions& viewing) {
+  nlohmann::ordered_json json{{"distances_m", viewing.distances}};
+  if (viewing.pupil > 0) {
+    json["pupil_m"] = viewing.pupil;
+    json["eye_m"] = {viewing.eye.x, viewing.eye.y, viewing.eye.z};
+  }
+  return json;
+}
+
+ViewingConditions viewing_from(const nlohmann::json& json, const std::string& sidecar) {
+  require(json.is_object(), "{}: expected an object for \"viewing\", got {}", sidecar, json.dump());
+  ViewingConditions viewing;
+  viewing.distances = metadata_numbers(json, sidecar, "distances_m");
+  viewing.pupil = metadata_number(json, sidecar, "pupil_m", 0.0);
+  if (json.contains("eye_m")) {
+    const std::vector<double> eye = metadata_numbers(json, sidecar, "eye_m");
+    require(eye.size() == 3, "{}: expected three numbers for \"eye_m\", got {}", sidecar, eye.size());
+    viewing.eye = {eye[0], eye[1], eye[2]};
+  }
+  const bool are_distances =
+      std::all_of(viewing.distances.begin(), viewing.distances.end(), [](double distance) { return distance >= 0; });
+  require(are_distances && viewing.pupil >= 0 && viewing.eye.z >= 0,
+          "{}: expected distances, a pupil and an eye's z of 0 m or more in \"viewing\", got {}", sidecar, json.dump());
+  return viewing;
+}
+
 }  // namespace
 
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
@@ -183,6 +210,7 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
     write_greys(modulus, hologram.modulus_level, hologram.levels, Modulation::amplitude);
   }
   if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
+  if (hologram.viewing.are_known()) json["viewing"] = to_json(hologram.viewing);
 
   if (part.count > 1) {
     json["part"] = part.number;
@@ -223,6 +251,14 @@ FileRecord hologram_record(const std::string& path) {
   return json.contains("files") ? record_outside(path, record_from(json["files"])) : FileRecord();
 }
 
+ViewingConditions viewing_of_file(const std::string& path) {
+  check_file_exists(path, "a hologram");
+  const std::string text = metadata_in(path), beside = text.empty() ? hologram_sidecar(path) : "";
+  if (text.empty() && beside.empty()) return {};
+  const nlohmann::json json = beside.empty() ? parse_metadata(text, path) : read_metadata(beside);
+  return json.contains("viewing") ? viewing_from(json["viewing"], beside.empty() ? path : beside) : ViewingConditions();
+}
+
 Hologram load_hologram(const std::string& path) {
   check_file_exists(path, "a hologram");
   const Greys greys = read_greys(path);
@@ -253,6 +289,7 @@ Hologram load_hologram(const std::string& path) {
     if (json.contains("loses_by")) read_losses(json["loses_by"], sidecar, hologram);
     hologram.filter = filter_from_json(json, sidecar);
     hologram.effects = metadata_texts(json, sidecar, "effects");
+    if (json.contains("viewing")) hologram.viewing = viewing_from(json["viewing"], sidecar);
     if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, path, sidecar);
   }
   hologram.level = levels_of(greys, hologram.levels, hologram.modulation, path, sidecar);

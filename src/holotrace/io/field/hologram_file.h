@@ -15,7 +15,7 @@ struct SeriesPart {
 
 /// Writes the levels of a hologram as a PNG of linear grey values, not sRGB-coded. It holds, as the text "holotrace", a
 /// JSON object {kind, pitch_m, wavelength_m, levels, modulation, image, encoder, illumination_w_per_m2, name, frame,
-/// effects, slm, filter, modulus, part, parts, files}; if that is too long for a PNG, it is beside it, in
+/// effects, slm, filter, viewing, modulus, part, parts, files}; if that is too long for a PNG, it is beside it, in
 /// NAME.png.json. For M levels:
 ///
 ///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
@@ -41,6 +41,10 @@ bool is_hologram_file(const std::string& path);
 /// What save_hologram was told about the series and the files; nothing if the file holds no metadata.
 SeriesPart series_part(const std::string& path);
 FileRecord hologram_record(const std::string& path);
+
+/// The viewing conditions of a hologram, without reading its levels; unknown if the file holds no metadata.
+/// @throws Error  if there is no such file, and as load_hologram does for damaged metadata
+ViewingConditions viewing_of_file(const std::string& path);
 
 /// Reads what save_hologram wrote, and the sidecars NAME.json of earlier versions. Without metadata: a phase hologram of 256 or 65536 levels by the
 /// bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.

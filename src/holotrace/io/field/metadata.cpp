@@ -48,6 +48,17 @@ std::vector<std::string> metadata_texts(const nlohmann::json& json, const std::s
   return found->get<std::vector<std::string>>();
 }
 
+std::vector<double> metadata_numbers(const nlohmann::json& json, const std::string& path, const char* key) {
+  const auto found = json.find(key);
+  const bool is_list = found != json.end() && found->is_array() &&
+                       std::all_of(found->begin(), found->end(), [](const nlohmann::json& item) {
+                         return item.is_number() && std::isfinite(item.get<double>());
+                       });
+  require(is_list, "{}: expected a list of finite numbers for \"{}\", got {}", path, key,
+          found == json.end() ? "nothing" : found->dump());
+  return found->get<std::vector<double>>();
+}
+
 const char* image_side_name(ImageSide side) { return side == ImageSide::real_image ? "real" : "virtual"; }
 
 ImageSide image_side_from(const std::string& name, const std::string& path) {

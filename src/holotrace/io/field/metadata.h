@@ -30,6 +30,10 @@ double metadata_number(const nlohmann::json& json, const std::string& path, cons
 std::string metadata_text(const nlohmann::json& json, const std::string& path, const char* key,
                           const std::string& fallback);
 
+/// A list of numbers of a JSON object.
+/// @throws Error naming file and key if the value is missing, or not a list of finite numbers
+std::vector<double> metadata_numbers(const nlohmann::json& json, const std::string& path, const char* key);
+
 /// A list of texts of a JSON object, empty where the key is absent.
 /// @throws Error naming file and key if the value is not a list of texts
 std::vector<std::string> metadata_texts(const nlohmann::json& json, const std::string& path, const char* key);

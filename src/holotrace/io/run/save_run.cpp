@@ -32,7 +32,7 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const 
   save_numbered(set, "sources.ply", boxes.sources, save_set);
   save_numbered(set, run_points, boxes.points, save_set);
   save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
-  save_holograms(set, "hologram.png", boxes.holograms);
+  save_holograms(set, run_hologram, boxes.holograms);
   const ViewSeries none;  // the stereo pair has another name
   save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, none, job.camera},
              boxes.sweep.images.empty() || !watch ? Observer() : watch("save the sweep"));
@@ -50,7 +50,7 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const 
 std::vector<std::string> run_paths(const std::string& folder) {
   std::vector<std::string> paths;
   for (const char* name :
-       {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json", "hologram.png", run_view,
+       {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json", run_hologram, run_view,
         "view_sweep.gif", "view_sweep.png", "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png",
         "holo_left.png", "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
     paths.push_back((std::filesystem::path(folder) / name).string());

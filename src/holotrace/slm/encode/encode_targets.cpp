@@ -44,6 +44,25 @@ Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParam
   return pattern;
 }
 
+// The start of a frame for eyes: a wave that converges to one of them, the frame's in turn. Noise makes frames differ, and
+// spreads some of the light over the eyebox and beyond (docs/explanation/encoders.md compares its amounts).
+Array2D<std::complex<float>> converging_pattern(const std::vector<Vec3>& eyes, const Field& field,
+                                                const EncodeParams& params, Modulation modulation) {
+  constexpr double noise = 0.35;  // cycles, either way
+  const Vec3 eye = eyes[field.frame % eyes.size()];
+  const double modulus = modulation == Modulation::complex ? 0.5 : 1;
+  Array2D<std::complex<float>> pattern(field.grid.ny, field.grid.nx);
+  parallel_for(0, pattern.ny, [&](int64_t j) {
+    for (int i = 0; i < pattern.nx; ++i) {
+      const Vec3 way = eye - Vec3{field.grid.x(i), field.grid.y(double(j)), 0};
+      CounterRandom random(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i));
+      pattern(int(j), i) = std::complex<float>(
+          modulus * cis_cycles((eye.z - length(way)) / field.wavelength + noise * (2 * random.uniform() - 1)));
+    }
+  });
+  return pattern;
+}
+
 // Writes the start of gradient descent: the pattern's phase, on a complex panel also its modulus, at most 1; or, on
 // a panel of amplitudes, its real part between 0 and 1.
 void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram) {
@@ -60,8 +79,7 @@ void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels&
 }
 
 // Checks what all iterations need, and reports what the levels compensate.
-void check_iterations(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
-                      const Observer& observer) {
+void check_iterations(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_encode_params(slm, params);
   require(aims_at_targets(params.method),
           "expected a method that takes targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
@@ -70,24 +88,29 @@ void check_iterations(const std::vector<TargetPlane>& targets, const Slm& slm, c
               (params.levels == 0 ? slm.levels : params.levels) > 2,
           "expected more than 2 levels for sgd on a complex panel, got 2; use more levels, or the method binary");
   check_encoding(slm, params, observer);
-  check_targets(targets, slm.grid);
+  if (targets.views.empty()) check_targets(targets.planes, slm.grid);
 }
 
 // Whether there is no light to aim at; warns of it.
-bool is_dark(const std::vector<TargetPlane>& targets, double wavelength, const Observer& observer) {
-  if (std::any_of(targets.begin(), targets.end(), [](const TargetPlane& t) { return target_power(t) > 0; }))
+bool is_dark(const TargetSet& targets, double wavelength, const Observer& observer) {
+  const auto is_lit = [](const auto& target) { return target_power(target) > 0; };
+  if (std::any_of(targets.planes.begin(), targets.planes.end(), is_lit) ||
+      std::any_of(targets.views.begin(), targets.views.end(), is_lit))
     return false;
   observer.warn(fmt::format("the target at {} is dark in the part that counts, so the hologram is empty",
                             format_length(wavelength)));
   return true;
 }
 
-// The light of the middle target plane with the phase 0, on the panel. One frame from such a start has little speckle.
-Field flat_start(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params) {
+// The start of frames that aim at planes: the field that shows the middle one. One frame has the phase 0 in that plane, which
+// has the least speckle; several have random phases there, which differ, and keep the light within the planes.
+Field start_at_planes(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params, int frame,
+                      int frames) {
   EncodeParams direct = params;
   direct.method = Encoding::phase;
   direct.iterations = 1;
-  direct.start = StartPhase::field;
+  direct.start = frames == 1 ? StartPhase::field : StartPhase::random;
+  direct.seed = params.seed + frame;
   return field_of_target(targets[targets.size() / 2], slm, direct);
 }
 
@@ -97,10 +120,10 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
                         const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint) {
   require(!checkpoint || params.method == Encoding::sgd, "expected the method sgd for a checkpoint, got \"{}\"",
           name_of(params.method, encoding_names));
-  check_iterations(targets, slm, params, observer);
+  check_iterations({targets}, slm, params, observer);
   check_field_to_show(start, slm, observer);
   std::vector<Hologram> frames{blank_hologram(start, slm, params, observer)};
-  if (is_dark(targets, start.wavelength, observer)) {
+  if (is_dark({targets}, start.wavelength, observer)) {
     frames.front().illumination = 0;
     return frames.front();
   }
@@ -125,25 +148,28 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                                     const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint,
                                     ProcessLinks* links) {
-  check_iterations(targets.planes, slm, params, observer);
+  check_iterations(targets, slm, params, observer);
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method, encoding_names));
   require(frames >= 1, "expected at least one frame, got {}", frames);
-  EncodeParams start_params = params;
-  if (frames > 1) start_params.start = StartPhase::random;  // equal starts would give equal frames
   std::vector<Hologram> holograms;
   const Slm known = with_effects(slm, params.effects);
-  Field start(slm.grid, wavelength);
-  if (start_params.start == StartPhase::field) start = flat_start(targets.planes, slm, params);
+  const bool has_dark_targets = is_dark(targets, wavelength, observer);
   for (int frame = 0; frame < frames; ++frame) {
+    Field start(slm.grid, wavelength);
+    if (params.start == StartPhase::field && targets.eyes.empty() && !has_dark_targets)
+      start = start_at_planes(targets.planes, slm, params, frame, frames);
     start.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(start, slm, params, frame == 0 ? observer : Observer{}));
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
     if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
       tell_phase_range(known, levels.range(), wavelength, observer);
-    write_start(start_pattern(start, start_params, holograms.back().modulation), levels, holograms.back());
+    const bool converges = params.start == StartPhase::field && !targets.eyes.empty();
+    write_start(converges ? converging_pattern(targets.eyes, start, params, holograms.back().modulation)
+                          : start_pattern(start, params, holograms.back().modulation),
+                levels, holograms.back());
   }
-  if (is_dark(targets.planes, wavelength, observer)) {
+  if (has_dark_targets) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;
     return holograms;
   }

@@ -100,7 +100,7 @@ function setRange() {
 let loaded = 0;  // the reading of the session that is shown completely
 const attempts = { readings: 0, count: 0 };  // at showing the newest reading
 const mostAttempts = 3;
-let proposed = 0;  // focus that the session has proposed [mm]
+let proposed = {};  // focus, pupil and eye that the session has proposed [mm]
 
 async function load() {
   Object.assign(session, await api.json('session'));
@@ -112,9 +112,11 @@ async function load() {
     $('title').textContent = name;
     document.title = `${name} – Holotrace`;
     say(session.problems.join('\n'));
-    const isUntouched = loaded === 0 || state.distance === proposed;
-    proposed = Number((session.defaults.distance_m * 1e3).toFixed(4));
-    if (isUntouched) state.distance = proposed;
+    const { distance_m, pupil_m, eye_m } = session.defaults, millimetres = metres => Number((metres * 1e3).toFixed(4));
+    const next = { distance: millimetres(distance_m), pupil: millimetres(pupil_m), eye: eye_m.map(millimetres) };
+    for (const name of Object.keys(next))
+      if (loaded === 0 || String(state[name]) === String(proposed[name])) state[name] = next[name];
+    proposed = next;
     state.shown = null;
     setRange();
     buildControls();

@@ -4,7 +4,7 @@ export const state = {
   distance: 300, pupil: 0, eye: [0, 0, 0], focal: 0, exposure: 0,
   hasOrders: false, effects: new Set(), shown: null,  // null: all holograms
 };
-export const session = { items: [], problems: [], readings: 0 };
+export const session = { items: [], problems: [], readings: 0, defaults: { pupil_m: 0 } };
 
 const number = value => String(Number(Number(value).toPrecision(10)));
 const length = millimetres => `${number(millimetres)} mm`;
@@ -17,6 +17,8 @@ export function query(more = {}) {
     parts.set('pupil', length(state.pupil));
     parts.set('eye', state.eye.map(number).join(' ') + ' mm');
     if (state.focal > 0) parts.set('focal-length', length(state.focal));
+  } else if (session.defaults.pupil_m > 0) {
+    parts.set('pupil', '0 mm');
   }
   if (state.exposure > 0) parts.set('exposure', number(state.exposure));
   if (state.hasOrders) parts.set('subpixels', '3');

@@ -1,6 +1,7 @@
 #include "holotrace/slm/encode/iterate/colour.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
@@ -14,6 +15,7 @@ constexpr double not_known = -1;  // the error of a plane
 Colour::Colour(const Slm& slm, const Hologram& hologram, double wavelength, const EncodeParams& params,
                FrameArrays& frames)
     : wavelength_(wavelength),
+      pixels_(slm.grid),
       panel_(slm, hologram, wavelength, params.subpixels),
       frames_light_(frames.light_of(panel_, wavelength)) {}
 
@@ -23,7 +25,22 @@ void Colour::add(const TargetPlane& target) {
   errors_.push_back(not_known);
   powers_.push_back(target_power(target));
   power_ += powers_.back();
+  peak_ = std::max(peak_, target_peak(target));
+  if (target.weight.size() == 0) weight_ += double(target.amplitude.size());
+  for (const float w : target.weight.values) weight_ += double(w);
   are_smooth_ = are_smooth_ && is_smooth(target);
+}
+
+void Colour::add(const ViewTargets& views) {
+  views_.push_back(&views);
+  errors_.push_back(not_known);
+  powers_.push_back(target_power(views));
+  power_ += powers_.back();
+  for (const Array2D<float>& amplitude : views.amplitudes) {
+    weight_ += double(amplitude.size());
+    for (const float a : amplitude.values) peak_ = std::max(peak_, double(a));
+  }
+  are_smooth_ = false;
 }
 
 double Colour::error() const {
@@ -40,15 +57,31 @@ void Colour::judge() {
   leave();
   ModulusSums all;
   std::vector<ModulusSums> sums;
-  for (size_t k = 0; k < targets_.size(); ++k) {
-    sums.push_back(frames_light_->plane_sums(k, SampleGroup::all, false));
-    all.cross += sums.back().cross;
-    all.square += sums.back().square;
-  }
+  light_ = 0;
+  const auto add_sums = [&](const ModulusSums& one, double pixels_of_sample) {
+    sums.push_back(one);
+    all.cross += one.cross;
+    all.square += one.square;
+    light_ += one.square * pixels_of_sample / (double(turns()) * double(pixels_.pixels()));
+  };
+  for (size_t k = 0; k < targets_.size(); ++k) add_sums(frames_light_->plane_sums(k, SampleGroup::all, false), 1);
+  for (const ViewTargets* views : views_)
+    add_sums(frames_light_->view_sums(*views, false), std::pow(views->picture.pitch / pixels_.pitch, 2));
   fit_scale(all, 0);
-  light_ = all.square;
-  for (size_t k = 0; k < targets_.size(); ++k)
+  for (size_t k = 0; k < sums.size(); ++k)
     errors_[k] = powers_[k] - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
+}
+
+void Colour::add_views(const ViewTargets& views, double factor) {
+  const double light = target_power(views);
+  if (light == 0) return;
+  constexpr double memory = 0.7;
+  const ModulusSums sums = frames_light_->view_sums(views, true);
+  if (targets_.empty()) fit_scale(sums, memory);
+  const double error = frames_light_->add_gradient_of_views(views, scale_, factor / light);
+  if (!targets_.empty()) return;
+  for (size_t k = 0; k < views_.size(); ++k)
+    if (views_[k]->z == views.z) errors_[k] = error / light * powers_[k];
 }
 
 // The scale that fits the planes of the latest turns: the sums of each earlier update count `memory` times those of

@@ -38,8 +38,10 @@ class ColourLight {
   /// plane_sums has kept with the same samples, and drops that light. @return that sum
   virtual double add_gradient(size_t plane, SampleGroup group, double scale, double factor) = 0;
 
-  /// The same for views through pupils, as a fraction of their light.
-  virtual void add_views(const ViewTargets& views, double scale, double factor) = 0;
+  /// The same for views through pupils, over the pixels of all pictures. Kept light is that of the last views; both
+  /// calls are for the same ones.
+  virtual ModulusSums view_sums(const ViewTargets& views, bool is_kept) = 0;
+  virtual double add_gradient_of_views(const ViewTargets& views, double scale, double factor) = 0;
 };
 
 /// A step of Adam for levels and, on complex panels, moduli; and how the drives are then rounded (settle_drive).

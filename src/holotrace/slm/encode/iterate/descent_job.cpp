@@ -35,13 +35,12 @@ void add(Fingerprint& f, const TargetPlane& target) {
   f.add(target.wavelength);
   add(f, target.amplitude);
   add(f, target.weight);
-  f.add(target.pupil.has_value());
-  if (target.pupil) add(f, *target.pupil);
 }
 
 void add(Fingerprint& f, const ViewTargets& views) {
   f.add(views.z);
   f.add(views.wavelength);
+  add(f, views.window);
   add(f, views.picture);
   for (const Pupil& pupil : views.pupils) add(f, pupil);
   for (const Array2D<float>& amplitude : views.amplitudes) add(f, amplitude);
@@ -91,10 +90,9 @@ IterationState descent_job(const TargetSet& targets, const Slm& slm, const Encod
   f.add(params.subpixels);
   f.add(params.seed);
   for (const TargetPlane& target : targets.planes) add(f, target);
+  for (const ViewTargets& views : targets.views) add(f, views);
   if (targets.draw_views)
-    for (size_t k = 0; k < targets.planes.size(); ++k)
-      if (k == 0 || targets.planes[k].wavelength != targets.planes[k - 1].wavelength)
-        add(f, targets.draw_views(0, targets.planes[k].wavelength));
+    for (const double wavelength : wavelengths_of(targets)) add(f, targets.draw_views(0, wavelength));
   for (const Hologram& frame : frames) {
     f.add(frame.levels);
     f.add(int(frame.modulation));
@@ -103,10 +101,10 @@ IterationState descent_job(const TargetSet& targets, const Slm& slm, const Encod
     add(f, frame.modulus_level);
   }
   return {.job = f.value(),
-          .description =
-              fmt::format("{} frame(s) of {} × {} pixels and {} levels at {}, {} target plane(s), {} iterations",
-                          frames.size(), slm.grid.nx, slm.grid.ny, frames.front().levels,
-                          format_length(frames.front().wavelength), targets.planes.size(), iterations_of(params))};
+          .description = fmt::format(
+              "{} frame(s) of {} × {} pixels and {} levels at {}, {} target plane(s), {} iterations", frames.size(),
+              slm.grid.nx, slm.grid.ny, frames.front().levels, format_length(frames.front().wavelength),
+              targets.planes.size() + targets.views.size(), iterations_of(params))};
 }
 
 }  // namespace holotrace

@@ -17,10 +17,8 @@ void DeviceLight::on_all(const std::function<void(ShareLight& share)>& work) {
 }
 
 void DeviceLight::add(const TargetPlane& target) {
-  TargetOptics optics = optics_of(lit_.panel, lit_.params);
-  optics.pupil = target.pupil;
   // Before a device is locked: it runs on many threads, which may be waiting for the device.
-  const TargetPropagation way(lit_.slm, lit_.wavelength, target.z, optics);
+  const TargetPropagation way(lit_.slm, lit_.wavelength, target.z, optics_of(lit_.panel, lit_.params));
   on_all([&](ShareLight& share) { share.add(target, way); });
 }
 
@@ -107,30 +105,40 @@ double DeviceLight::add_gradient(size_t plane, SampleGroup group, double scale, 
   return error;
 }
 
-void DeviceLight::add_views(const ViewTargets& views, double scale, double factor) {
-  double light = 0;
-  for (const Array2D<float>& amplitude : views.amplitudes)
-    for (const float a : amplitude.values) light += double(a) * a;
-  if (light == 0) return;
-  if (!lights_.front()->has_eyes()) {
-    TargetOptics optics = optics_of(lit_.panel, lit_.params);
-    optics.samples = PixelSamples::middle;
-    const PupilPropagation way(lit_.slm, lit_.wavelength, views.pupils.front(), optics);  // before a device is locked
-    on_all([&](ShareLight& share) { share.make_eyes(way); });
-  }
-  on_all([&](ShareLight& share) { share.show_views(views); });
+ModulusSums DeviceLight::view_sums(const ViewTargets& views, bool is_kept) {
+  // Before a device is locked, as in add.
+  const PupilPropagation& way = pupils_.to(lit_.slm, lit_.wavelength, views, optics_of(lit_.panel, lit_.params));
+  on_all([&](ShareLight& share) { share.show_views(views, way, is_kept); });
+  ModulusSums sums;
   for (size_t k = 0; k < views.pupils.size(); ++k) {
     const Part mean = [k](const ShareLight& share) -> const DeviceBuffer& { return share.mean_of_view(k); };
     add_parts(mean);
     add_other_processes(mean);
+    if (!others_.has_targets()) continue;
+    const auto lock = shares_.front()->device().lock();
+    const ModulusSums of_view = lights_.front()->fit_sums_of_view(k);
+    sums.cross += of_view.cross;
+    sums.square += of_view.square;
+  }
+  if (!is_kept) on_all([](ShareLight& share) { share.drop_views(); });
+  return sums;
+}
+
+double DeviceLight::add_gradient_of_views(const ViewTargets& views, double scale, double factor) {
+  double error = 0;
+  for (size_t k = 0; k < views.pupils.size(); ++k) {
     if (others_.has_targets()) {
       const auto lock = shares_.front()->device().lock();
-      lights_.front()->take_residual_of_view(k, 1 / scale);
+      error += scale * scale * lights_.front()->leave_residual_of_view(k, 1 / scale);
     }
-    send_to_others(mean);
+    send_to_others([k](const ShareLight& share) -> const DeviceBuffer& { return share.mean_of_view(k); });
   }
-  const double of_frame = -2 * scale * scale * factor / (light * double(frames_));
-  on_all([&](ShareLight& share) { share.add_slopes_of_views(of_frame); });
+  const double of_frame = -2 * scale * scale * factor / double(frames_);
+  on_all([&](ShareLight& share) {
+    share.add_slopes_of_views(of_frame);
+    share.drop_views();
+  });
+  return error;
 }
 
 }  // namespace holotrace

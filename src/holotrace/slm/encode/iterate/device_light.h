@@ -29,7 +29,8 @@ class DeviceLight : public ColourLight {
   void leave(const PanelDetail& detail) override;
   ModulusSums plane_sums(size_t plane, SampleGroup group, bool is_kept) override;
   double add_gradient(size_t plane, SampleGroup group, double scale, double factor) override;
-  void add_views(const ViewTargets& views, double scale, double factor) override;
+  ModulusSums view_sums(const ViewTargets& views, bool is_kept) override;
+  double add_gradient_of_views(const ViewTargets& views, double scale, double factor) override;
 
  private:
   using Part = std::function<const DeviceBuffer&(const ShareLight& share)>;
@@ -44,6 +45,7 @@ class DeviceLight : public ColourLight {
   size_t frames_ = 0;                                // of all processes
   std::vector<std::unique_ptr<ShareLight>> lights_;  // of each share
   std::vector<std::vector<float>> parts_{};          // of all but the first, on the processor
+  PupilPropagations pupils_;
 };
 
 }  // namespace holotrace

@@ -18,16 +18,14 @@ constexpr double view_weight = 0.5;
 
 }  // namespace
 
-Colours colours_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, const Hologram& hologram,
-                   FrameArrays& frames) {
+Colours colours_of(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram, FrameArrays& frames) {
   Colours colours;
-  for (const TargetPlane& target : targets) {
-    auto found = std::find_if(colours.begin(), colours.end(),
-                              [&](const auto& colour) { return colour->wavelength() == target.wavelength; });
-    if (found == colours.end())
-      found = colours.insert(colours.end(),
-                             std::make_unique<Colour>(setup.slm, hologram, target.wavelength, setup.params, frames));
-    (*found)->add(target);
+  for (const double wavelength : wavelengths_of(targets)) {
+    colours.push_back(std::make_unique<Colour>(setup.slm, hologram, wavelength, setup.params, frames));
+    for (const TargetPlane& plane : targets.planes)
+      if (plane.wavelength == wavelength) colours.back()->add(plane);
+    for (const ViewTargets& views : targets.views)
+      if (views.wavelength == wavelength) colours.back()->add(views);
   }
   return colours;
 }
@@ -42,11 +40,11 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
       frames_(frames.size()),
       arrays_of_state_(arrays_of_state(frames)),
       arrays_(std::move(arrays)),
-      colours_(colours_of(targets.planes, setup, frames.front(), *arrays_)),
+      colours_(colours_of(targets, setup, frames.front(), *arrays_)),
       last_update_(iterations_) {
   for (const auto& colour : colours_) {
     lit_ += colour->power() > 0;
-    turns_.emplace_back(colour->targets().size(), params_.planes_per_update, uint64_t(params_.seed));
+    turns_.emplace_back(colour->turns(), params_.planes_per_update, uint64_t(params_.seed));
   }
   const bool are_smooth =
       std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) { return colour->has_smooth_targets(); });
@@ -85,12 +83,14 @@ void FrameDescent::update() {
     if (colour.power() == 0) continue;
     colour.leave(detail(updates()));
     const std::vector<size_t> planes = turns_[c].take();
-    const bool takes_one = has_single_samples_ && !is_late(updates());
-    colour.add_planes(planes, samples_of_update(frames_, params_.subpixels, turns_[c].round(), takes_one),
-                      part(colour));
-    if (!targets_.draw_views) continue;
-    const double share = double(planes.size()) / double(colour.targets().size());  // of the planes' light
-    colour.add_views(targets_.draw_views(updates(), colour.wavelength()), view_weight * share / lit_);
+    double weight = 1;
+    if (!colour.targets().empty()) {
+      const bool takes_one = has_single_samples_ && !is_late(updates());
+      colour.add_planes(planes, samples_of_update(frames_, params_.subpixels, turns_[c].round(), takes_one),
+                        part(colour));
+      weight = view_weight * double(planes.size()) / double(colour.targets().size());  // of the planes' light
+    }
+    if (targets_.draw_views) colour.add_views(targets_.draw_views(updates(), colour.wavelength()), weight / lit_);
   }
   step();
   losses_.push_back(loss());

@@ -23,8 +23,7 @@ struct DescentSetup {
 };
 
 /// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
-Colours colours_of(const std::vector<TargetPlane>& targets, const DescentSetup& setup, const Hologram& hologram,
-                   FrameArrays& frames);
+Colours colours_of(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram, FrameArrays& frames);
 
 /// Frames that are found together by the updates of gradient_descent.h, one after the other. All that one update leaves
 /// to the next is in state(): restored in another object of the same job, the updates that follow are the same.

@@ -87,6 +87,7 @@ template <class Views, class Visit>
 void visit_views(Views& views, const Visit& visit) {
   visit(views.z);
   visit(views.wavelength);
+  visit(views.window);
   visit(views.picture);
   visit(views.pupils);
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,10 +40,11 @@ enum class FrameOrder : int32_t {
   leave,
   plane_sums,
   add_gradient,
-  add_views,  ///< the views follow in a message of their own
-  write,      ///< levels come back, a message for each array
-  state,      ///< arrays come back, one in a message
-  restore,    ///< arrays follow, one in a message
+  view_sums,              ///< the views follow in a message of their own
+  add_gradient_of_views,  ///< of the same views
+  write,                  ///< levels come back, a message for each array
+  state,                  ///< arrays come back, one in a message
+  restore,                ///< arrays follow, one in a message
   end
 };
 
@@ -53,7 +53,6 @@ struct FrameOrderMessage {
   FrameOrder order{};
   uint64_t colour = 0, plane = 0;  ///< colours and their planes are numbered as they are added
   double wavelength = 0, z = 0;
-  std::optional<Pupil> pupil{};
   SampleGroup group{};
   bool is_kept = false;
   double scale = 0, factor = 0;

@@ -50,6 +50,7 @@ class ExchangeOfOthers : public MeanExchange {
 struct ColourOfOthers {
   DrivenPanel panel;
   std::deque<TargetPlane> planes{};  // they stay where they are
+  ViewTargets views{};               // the last ones
   std::unique_ptr<ColourLight> light{};
 };
 
@@ -83,7 +84,6 @@ void add_plane(ColourOfOthers& colour, const FrameOrderMessage& message) {
   TargetPlane& plane = colour.planes.emplace_back();
   plane.z = message.z;
   plane.wavelength = message.wavelength;
-  plane.pupil = message.pupil;
   colour.light->add(plane);
 }
 
@@ -125,8 +125,13 @@ void obey(Member& member, const FrameOrderMessage& message) {
     case FrameOrder::add_gradient:
       colour().light->add_gradient(message.plane, message.group, message.scale, message.factor);
       return;
-    case FrameOrder::add_views:
-      return colour().light->add_views(unpack_views(member.links.receive(0)), message.scale, message.factor);
+    case FrameOrder::view_sums:
+      colour().views = unpack_views(member.links.receive(0));
+      colour().light->view_sums(colour().views, message.is_kept);
+      return;
+    case FrameOrder::add_gradient_of_views:
+      colour().light->add_gradient_of_views(colour().views, message.scale, message.factor);
+      return;
     case FrameOrder::write:
       return send_levels(member);
     case FrameOrder::state:

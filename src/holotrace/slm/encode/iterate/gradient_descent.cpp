@@ -17,7 +17,6 @@
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/shared_frames.h"
-#include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
 namespace {
@@ -28,14 +27,9 @@ double decibels(double loss) { return 10 * std::log10(std::max(loss, 1e-30)); }
 double psnr(const Colours& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
-    double peak = 0;
-    for (const TargetPlane* target : colour->targets()) peak = std::max(peak, target_peak(*target));
-    if (peak == 0) continue;
-    error += colour->error() / (peak * peak);
-    for (const TargetPlane* target : colour->targets()) {
-      for (const float w : target->weight.values) weight += double(w);
-      if (target->weight.size() == 0) weight += double(target->amplitude.size());
-    }
+    if (colour->peak() == 0) continue;
+    error += colour->error() / (colour->peak() * colour->peak());
+    weight += colour->weight();
   }
   return 10 * std::log10(weight / std::max(error, 1e-30));
 }
@@ -51,10 +45,20 @@ void tell_quality(const Colours& colours, const Observer& observer, std::vector<
   for (Hologram& frame : frames) frame.colours.clear();
   for (const auto& colour : colours) {
     for (Hologram& frame : frames) set_illumination(*colour, colours.size() > 1, frame);
-    light += colour->light() / (double(colour->targets().size()) * double(frames.front().grid.pixels()));
+    light += colour->light();
   }
   observer.fact("psnr_db", Fact(psnr(colours)));
   observer.fact("target_efficiency", Fact(light / double(colours.size())));
+}
+
+// The planes that updates carry light to: those of the targets; of views alone, those of their pupils.
+std::vector<TargetPlane> planes_to_reach(const TargetSet& targets) {
+  if (!targets.planes.empty()) return targets.planes;
+  std::vector<TargetPlane> planes;
+  for (const double wavelength : wavelengths_of(targets))
+    planes.push_back(
+        {.z = targets.views.front().pupils.front().centre.z, .wavelength = wavelength, .amplitude = {}, .weight = {}});
+  return planes;
 }
 
 // A descent and the file that keeps its state.
@@ -107,7 +111,7 @@ std::unique_ptr<FrameArrays> arrays_on(const IterationPlace& place, const Descen
   return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames, others);
 }
 
-void judge_on(const IterationPlace& place, const std::vector<TargetPlane>& targets, const DescentSetup& setup,
+void judge_on(const IterationPlace& place, const TargetSet& targets, const DescentSetup& setup,
               const Observer& observer, std::vector<Hologram>& frames) {
   std::unique_ptr<FrameArrays> arrays;
   const Colours colours = place.compute([&] {
@@ -126,7 +130,8 @@ void descend_on(const IterationPlace& place, const Processes& processes, const T
   SharedFrames* shared = nullptr;
   const int here = processes.links ? std::min(processes.links->here().count, int(frames.size())) : 1;
   const auto own_arrays = [&](const std::vector<Hologram>& own, const OtherFrames& others) {
-    if (place.devices.empty()) require_memory_for_descent(targets.planes.size(), setup.slm, setup.params, own, here);
+    if (place.devices.empty())
+      require_memory_for_descent(planes_to_reach(targets).size(), setup.slm, setup.params, own, here);
     return arrays_on(place, setup, own, others);
   };
   const auto arrays = [&]() -> std::unique_ptr<FrameArrays> {
@@ -173,11 +178,11 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   const Listeners listeners{observer, checkpoint};
   if (links && links->count() > 1 && frames.size() > 1) {
     const size_t own = ranges_of_frames(frames.size(), links->count()).front().count();
-    const DeviceChoice device = common_device(targets.planes, setup, {frames.size(), own}, links->here());
+    const DeviceChoice device = common_device(planes_to_reach(targets), setup, {frames.size(), own}, links->here());
     const IterationPlace place{devices_of_process(device, links->here(), own)};
     return descend_on(place, {links, device}, targets, setup, frames, listeners);
   }
-  const std::vector<Device*> devices = devices_for_descent(targets.planes, setup, frames.size());
+  const std::vector<Device*> devices = devices_for_descent(planes_to_reach(targets), setup, frames.size());
   on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
     descend_on(place, {}, targets, setup, frames, listeners);
   });
@@ -187,7 +192,7 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Encode
            const Observer& observer, std::vector<Hologram>& frames, Device* device) {
   const std::vector<Device*> devices = device ? std::vector{device} : std::vector<Device*>();
   on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
-    judge_on(place, targets, {slm, params}, observer, frames);
+    judge_on(place, {targets}, {slm, params}, observer, frames);
   });
 }
 

@@ -37,7 +37,8 @@ class Device;
 /// **Stochastic.** Each iteration uses params.planes_per_update planes; all planes have their turn, in an order that is
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
-/// the iteration's planes. The loss leaves it out. With four or more frames, planes use the samples on one diagonal of the
+/// the iteration's planes. The loss leaves it out. Without planes, each iteration uses its views alone; the loss is their
+/// error, and judgements are those of targets.views. With four or more frames, planes use the samples on one diagonal of the
 /// pixels in one round, and on the other in the next; of smooth targets (is_smooth) a single sample in turn, in the first three
 /// quarters of the iterations.
 ///
@@ -57,7 +58,7 @@ class Device;
 /// devices gives the same levels; another one adds up the mean in another order, so levels differ by rounding. A device that fails
 /// ends the job, also one that `auto` has chosen.
 ///
-/// @param targets  target planes of one wavelength or, for one hologram in several colours, of several
+/// @param targets  planes or views of one wavelength or, for one hologram in several colours, of several
 /// @param slm      panel with the effects that are on
 /// @param checkpoint  keeps the state of now and then: a later call with the same job goes on from there, to the same
 ///                 levels and facts; on another device, to those of rounding

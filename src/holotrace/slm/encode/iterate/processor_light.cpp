@@ -8,9 +8,8 @@
 namespace holotrace {
 
 void ProcessorLight::add(const TargetPlane& target) {
-  TargetOptics optics = optics_of(lit_.panel, lit_.params);
-  optics.pupil = target.pupil;
-  ways_.push_back({&target, TargetPropagation(lit_.slm, lit_.wavelength, target.z, optics)});
+  ways_.push_back(
+      {&target, TargetPropagation(lit_.slm, lit_.wavelength, target.z, optics_of(lit_.panel, lit_.params))});
 }
 
 void ProcessorLight::leave(const PanelDetail& detail) {
@@ -75,45 +74,56 @@ double ProcessorLight::add_gradient(size_t plane, SampleGroup group, double scal
   return error;
 }
 
-void ProcessorLight::add_views(const ViewTargets& views, double scale, double factor) {
+ModulusSums ProcessorLight::view_sums(const ViewTargets& views, bool is_kept) {
+  const PupilPropagation& way = pupils_.to(lit_.slm, lit_.wavelength, views, optics_of(lit_.panel, lit_.params));
   const size_t count = views.pupils.size();
-  double light = 0;
-  for (const Array2D<float>& amplitude : views.amplitudes)
-    for (const float a : amplitude.values) light += double(a) * a;
-  if (light == 0) return;
-  if (!pupils_) {
-    TargetOptics optics = optics_of(lit_.panel, lit_.params);
-    optics.samples = PixelSamples::middle;
-    pupils_.emplace(lit_.slm, lit_.wavelength, views.pupils.front(), optics);
-  }
-  std::vector<std::vector<Array2D<std::complex<float>>>> pictures(u_.size());
-  std::vector<Array2D<float>> power(count, Array2D<float>(views.picture.ny, views.picture.nx));
+  ViewLight light;
+  light.mean.assign(count, Array2D<float>(views.picture.ny, views.picture.nx));
+  light.pictures.resize(is_kept ? u_.size() : 0);
   for (size_t m = 0; m < u_.size(); ++m) {
-    const Field eye = pupils_->to_eye(u_[m]);
-    pictures[m].resize(count);
+    const Field eye = way.to_eye(u_[m]);
+    std::vector<Array2D<std::complex<float>>> pictures(count);
     parallel_for(0, int64_t(count), [&](int64_t k) {
-      pictures[m][size_t(k)] = take_picture(eye, views.pupils[size_t(k)], views.z, views.picture);
-      add_power(pictures[m][size_t(k)].values.data(), float(1 / frames()), power[size_t(k)].values.data(),
-                power[size_t(k)].size());
+      Array2D<std::complex<float>>& picture = pictures[size_t(k)];
+      picture = take_picture(eye, views.pupils[size_t(k)], views.z, views.picture);
+      add_power(picture.values.data(), float(1 / frames()), light.mean[size_t(k)].values.data(), picture.size());
     });
+    if (is_kept) light.pictures[m] = std::move(pictures);
   }
+  ModulusSums sums;
   for (size_t k = 0; k < count; ++k) {
-    float* const values = power[k].values.data();
-    if (others_.exchange) others_.exchange->add_up(values, power[k].size());
-    if (others_.has_targets())
-      take_residual(values, views.amplitudes[k].values.data(), nullptr, float(1 / scale), power[k].size());
-    if (others_.exchange) others_.exchange->hand_out(values, power[k].size());
+    if (others_.exchange) others_.exchange->add_up(light.mean[k].values.data(), light.mean[k].size());
+    if (!others_.has_targets()) continue;
+    const ModulusSums of_view = fit_sums(views.amplitudes[k], {}, light.mean[k]);
+    sums.cross += of_view.cross;
+    sums.square += of_view.square;
+  }
+  if (is_kept) kept_views_ = std::move(light);
+  return sums;
+}
+
+double ProcessorLight::add_gradient_of_views(const ViewTargets& views, double scale, double factor) {
+  const PupilPropagation& way = pupils_.to(lit_.slm, lit_.wavelength, views, optics_of(lit_.panel, lit_.params));
+  const size_t count = views.pupils.size();
+  auto [mean, pictures] = std::exchange(kept_views_, {});
+  double error = 0;
+  for (size_t k = 0; k < count; ++k) {
+    if (others_.has_targets()) error += scale * scale * leave_residual(views.amplitudes[k], {}, 1 / scale, mean[k]);
+    if (others_.exchange) others_.exchange->hand_out(mean[k].values.data(), mean[k].size());
   }
   for (size_t m = 0; m < u_.size(); ++m) {
-    Field eye = pupils_->dark_eye();
+    Field eye = way.dark_eye();
+    auto& of_frame = pictures[m];
+    auto& of_mean = mean;
     parallel_for(0, int64_t(count), [&](int64_t k) {
-      Array2D<std::complex<float>>& picture = pictures[m][size_t(k)];
-      multiply_by_real(power[size_t(k)].values.data(), picture.values.data(), picture.size());
+      Array2D<std::complex<float>>& picture = of_frame[size_t(k)];
+      multiply_by_real(of_mean[size_t(k)].values.data(), picture.values.data(), picture.size());
       add_picture_adjoint(picture, views.pupils[size_t(k)], views.z, views.picture, eye);
     });
-    lit_.panel.add_slope(levels_[m], u_[m], pupils_->to_panel(eye), -2 * scale * scale * factor / (light * frames()),
-                         slopes_[m], detail_);
+    lit_.panel.add_slope(levels_[m], u_[m], way.to_panel(eye), -2 * scale * scale * factor / frames(), slopes_[m],
+                         detail_);
   }
+  return error;
 }
 
 }  // namespace holotrace

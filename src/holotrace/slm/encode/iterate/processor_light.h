@@ -1,7 +1,7 @@
 #pragma once
 
+#include <complex>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -36,7 +36,8 @@ class ProcessorLight : public ColourLight {
   void leave(const PanelDetail& detail) override;
   ModulusSums plane_sums(size_t plane, SampleGroup group, bool is_kept) override;
   double add_gradient(size_t plane, SampleGroup group, double scale, double factor) override;
-  void add_views(const ViewTargets& views, double scale, double factor) override;
+  ModulusSums view_sums(const ViewTargets& views, bool is_kept) override;
+  double add_gradient_of_views(const ViewTargets& views, double scale, double factor) override;
 
  private:
   // A target and the way to it.
@@ -52,6 +53,12 @@ class ProcessorLight : public ColourLight {
     Samples samples;
   };
 
+  // The mean irradiance in the pictures of some views, and the pictures of each frame.
+  struct ViewLight {
+    std::vector<Array2D<float>> mean;
+    std::vector<std::vector<Array2D<std::complex<float>>>> pictures;
+  };
+
   bool has_means(SampleGroup group) const { return has_pixel_means(group, lit_.params.subpixels); }
   double frames() const { return double(levels_.size() + others_.count); }
   Array2D<float> mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const;
@@ -61,10 +68,11 @@ class ProcessorLight : public ColourLight {
   std::vector<Drive>& slopes_;
   OtherFrames others_;
   std::vector<TargetWay> ways_;
-  std::vector<Field> u_;                    // light that leaves the panel, of each frame
-  PanelDetail detail_;                      // of that light
-  std::map<size_t, PlaneLight> kept_;       // of planes whose gradient is not added yet
-  std::optional<PupilPropagation> pupils_;  // made for the first views
+  std::vector<Field> u_;               // light that leaves the panel, of each frame
+  PanelDetail detail_;                 // of that light
+  std::map<size_t, PlaneLight> kept_;  // of planes whose gradient is not added yet
+  ViewLight kept_views_;
+  PupilPropagations pupils_;
 };
 
 }  // namespace holotrace

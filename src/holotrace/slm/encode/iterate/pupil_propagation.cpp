@@ -98,16 +98,18 @@ void each_of_picture(const Grid& picture, int length, const Work& work) {
 
 }  // namespace
 
-PupilPropagation::PupilPropagation(const Slm& slm, double wavelength, const Pupil& pupil, const TargetOptics& optics) {
+PupilPropagation::PupilPropagation(const Slm& slm, double wavelength, const Grid& window, double z,
+                                   const TargetOptics& optics) {
   require(optics.subpixels == 1,
           "expected one sample per pixel for views through pupils, got {} per axis; give "
           "subpixels = 1",
           optics.subpixels);
-  PropagateParams wider;
-  const int margin = int(std::ceil(pupil.diameter / 2 / slm.grid.pitch));
-  wider.columns = slm.grid.nx + 2 * margin;
-  wider.rows = slm.grid.ny + 2 * margin;
-  there_ = make_propagator<float>(slm.grid, wavelength, pupil.centre.z, wider);
+  PropagateParams to_window;
+  to_window.columns = window.nx;
+  to_window.rows = window.ny;
+  to_window.centre_x = window.centre_x;
+  to_window.centre_y = window.centre_y;
+  there_ = make_propagator<float>(slm.grid, wavelength, z, to_window);
   const auto passing = [&](double lit) {
     return [=](double f) {
       const double dimmed = optics.aperture == PixelAperture::included ? aperture_spectrum(f, lit) : 1;
@@ -118,14 +120,35 @@ PupilPropagation::PupilPropagation(const Slm& slm, double wavelength, const Pupi
   back_ = adjoint_of(there_);
 }
 
+const PupilPropagation& PupilPropagations::to(const Slm& slm, double wavelength, const ViewTargets& views,
+                                              const TargetOptics& optics) {
+  const double z = views.pupils.front().centre.z;
+  for (const PupilPropagation& made : made_)
+    if (made.there().output == views.window && made.there().distance == z) return made;
+  return made_.emplace_back(slm, wavelength, views.window, z, optics);
+}
+
 Field PupilPropagation::to_eye(const Field& panel) const { return convolve(panel, there_, {}); }
 
 Field PupilPropagation::to_panel(const Field& eye) const { return convolve(eye, back_, {}); }
 
-Grid picture_grid(const Grid& panel, const Pupil& pupil, double wavelength, double z) {
-  const double pitch = wavelength * distance_to(pupil, z) / (transform_length(pupil, panel.pitch) * panel.pitch);
-  const auto odd = [&](double side) { return 2 * int(side / (2 * pitch)) + 1; };
-  return {odd(panel.width()), odd(panel.height()), pitch};
+Grid pupil_window_grid(const Grid& panel, const PlanePart& part) {
+  const auto samples = [&](double low, double high) { return int(std::ceil((high - low) / panel.pitch)) + 1; };
+  const int nx = samples(part.low.x, part.high.x), ny = samples(part.low.y, part.high.y);
+  // The middle that is nearest to that of the part, so that samples are some steps from those of the panel.
+  const auto middle = [&](double wanted, int count, double panel_centre, int panel_count) {
+    const double offset = ((count - panel_count) % 2 == 0 ? 0 : 0.5) * panel.pitch;
+    return panel_centre + offset + std::round((wanted - panel_centre - offset) / panel.pitch) * panel.pitch;
+  };
+  return {nx, ny, panel.pitch, middle((part.low.x + part.high.x) / 2, nx, panel.centre_x, panel.nx),
+          middle((part.low.y + part.high.y) / 2, ny, panel.centre_y, panel.ny)};
+}
+
+Grid picture_grid(const Grid& panel, double width, double height, const Pupil& pupil, double wavelength, double z) {
+  const int length = transform_length(pupil, panel.pitch);
+  const double pitch = wavelength * distance_to(pupil, z) / (length * panel.pitch);
+  const auto odd = [&](double side) { return std::min(2 * int(side / (2 * pitch)) + 1, (length - 1) / 2 * 2 + 1); };
+  return {odd(width), odd(height), pitch};
 }
 
 PupilWindow pupil_window(const Grid& eye, double wavelength, const Pupil& pupil, double z) {

@@ -3,7 +3,7 @@
 #include <array>
 #include <complex>
 #include <cstdint>
-#include <optional>
+#include <deque>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -15,7 +15,7 @@
 
 namespace holotrace {
 
-/// The propagation from a panel to the plane of many pupils, prepared for iterations, and from each pupil to its picture.
+/// The propagation from a panel to the plane of pupils, prepared for iterations, and from each pupil to its picture.
 ///
 /// A pupil of diameter D shows no detail below λ·s/D, s the distance from the pupil to the plane in focus. Its picture
 /// needs few samples, and one transform of the light in the pupil gives them (Fresnel's approximation; phases of the
@@ -27,11 +27,12 @@ namespace holotrace {
 /// λs/p, the width of the panel's diffraction cone, so nothing overlaps.
 class PupilPropagation {
  public:
-  /// @param pupil  one of the pupils: all have its diameter and its distance from the panel
+  /// @param window  samples of the plane of the pupils (pupil_window_grid)
+  /// @param z       distance of that plane from the panel [m]
   /// @throws Error  as make_propagator does
-  PupilPropagation(const Slm& slm, double wavelength, const Pupil& pupil, const TargetOptics& optics);
+  PupilPropagation(const Slm& slm, double wavelength, const Grid& window, double z, const TargetOptics& optics);
 
-  /// Light in the plane of the pupils: a window wider than the panel by half a pupil on every side, centred on the axis.
+  /// Light in the window of the pupils.
   Field to_eye(const Field& panel) const;
 
   /// The adjoint of to_eye.
@@ -47,9 +48,28 @@ class PupilPropagation {
   Propagator<float> there_, back_;
 };
 
+/// The propagations to the windows that views have had.
+class PupilPropagations {
+ public:
+  /// The propagation to the window of some views, made if they are the first ones there. It stays where it is.
+  const PupilPropagation& to(const Slm& slm, double wavelength, const ViewTargets& views, const TargetOptics& optics);
+
+ private:
+  std::deque<PupilPropagation> made_;
+};
+
+/// A part of a plane: x from `low` to `high`, and y.
+struct PlanePart {
+  Vec2 low, high;  ///< [m]
+};
+
+/// The smallest window that holds a part of the plane of the pupils, with samples on the panel's lattice.
+Grid pupil_window_grid(const Grid& panel, const PlanePart& part);
+
 /// The samples that pictures in the plane z need, for pupils of this size and distance: at most λs/2D apart, as a
-/// transform of good length gives them; as many as cover the panel's window, and odd numbers of them.
-Grid picture_grid(const Grid& panel, const Pupil& pupil, double wavelength, double z);
+/// transform of good length gives them; as many as cover `width` × `height` about the axis, and odd numbers of them, but no
+/// more than until the picture repeats.
+Grid picture_grid(const Grid& panel, double width, double height, const Pupil& pupil, double wavelength, double z);
 
 /// The part of a window that lies in a pupil, as the transform of take_picture has it: `length` places along each axis, of
 /// which place 0 is the sample nearest to the pupil's centre, and the last ones are before it.

@@ -20,14 +20,8 @@ ShareLight::ShareLight(FrameShare& share, const PanelInLight& panel, size_t fram
       is_first_(is_first) {}
 
 void ShareLight::add(const TargetPlane& target, const TargetPropagation& host) {
-  Way way{{}, host.shifts(), {}, DeviceConvolution(device_, host.there(), host.shifts()), {}};
+  Way way{{}, host.shifts(), DeviceConvolution(device_, host.there(), host.shifts())};
   if (is_first_) way.target.emplace(device_, target.amplitude, target.weight);
-  if (host.to_pupil()) {
-    way.to_pupil.emplace(device_, *host.to_pupil());
-    way.disc = device_.upload(host.disc().values, "a pupil");
-    make(memory_.pupil, host.disc().size() * sizeof(std::complex<float>), "a pupil");
-    way.to_pupil->grow(memory_.work);
-  }
   way.there.grow(memory_.work);
   ways_.push_back(std::move(way));
   share_.needs(bytes_needed());
@@ -103,19 +97,9 @@ std::vector<DisplacedSamples> ShareLight::samples_for(const Way& way, SampleGrou
   return samples;
 }
 
-void ShareLight::to_plane(Way& way, const DeviceBuffer& u, const std::vector<DisplacedSamples>& samples) {
-  if (!way.to_pupil) return way.there.to_many(u, samples, memory_.work);
-  way.to_pupil->to_many(u, {{0, &memory_.pupil}}, memory_.work);
-  multiply_by_real(device_, way.disc, memory_.pupil);
-  way.there.to_many(memory_.pupil, samples, memory_.work);
-}
-
 void ShareLight::to_panel(Way& way, const std::vector<DisplacedSamples>& samples) {
   make(memory_.back, bytes_of_samples(), "the light of a panel");
-  if (!way.to_pupil) return way.there.to_sum(samples, memory_.back, memory_.work);
-  way.there.to_sum(samples, memory_.pupil, memory_.work);
-  multiply_by_real(device_, way.disc, memory_.pupil);
-  way.to_pupil->to_sum({{0, &memory_.pupil}}, memory_.back, memory_.work);
+  way.there.to_sum(samples, memory_.back, memory_.work);
 }
 
 // Adds the power of a frame's samples: for pixel means, those of each place in a pixel; else all to the mean.
@@ -141,7 +125,7 @@ void ShareLight::show(size_t plane, SampleGroup group, bool is_kept) {
   share_.each_frame(FrameUse::light, [&](size_t m, const DeviceFrame& frame) {
     const DeviceBuffer& u = light_of(m, frame);
     const std::vector<DisplacedSamples> samples = samples_for(way, group, has_all_samples ? m : 0, light);
-    to_plane(way, u, samples);
+    way.there.to_many(u, samples, memory_.work);
     add_powers(samples, group, m == 0, light);
   });
   if (has_means(group)) pixel_means(device_, pixels(), memory_.power, light.mean);
@@ -163,7 +147,7 @@ void ShareLight::add_slopes(size_t plane, SampleGroup group, double factor) {
     const bool is_streamed = share_.are_streamed();
     const DeviceBuffer& u = light_of(m, frame);
     const std::vector<DisplacedSamples> samples = samples_for(way, group, is_streamed ? 0 : m, light);
-    if (is_streamed) to_plane(way, u, samples);
+    if (is_streamed) way.there.to_many(u, samples, memory_.work);
     for (const DisplacedSamples& there : samples)
       if (has_means(group))
         multiply_by_spread(device_, pixels(), there.shift, light.mean, *there.samples);
@@ -179,19 +163,25 @@ void ShareLight::drop(size_t plane) {
   memory_.spare.push_back(std::move(dropped.mapped()));
 }
 
-void ShareLight::make_eyes(const PupilPropagation& way) {
-  eyes_.emplace(Eyes{way.there().output, DeviceConvolution(device_, way.there()), ViewTransforms(device_)});
-  eyes_->there.grow(memory_.work);
+ShareLight::Eyes& ShareLight::eyes_at(const PupilPropagation& way) {
+  const Propagator<float>& there = way.there();
+  for (Eyes& eyes : eyes_)
+    if (eyes.window == there.output && eyes.z == there.distance) return eyes;
+  eyes_.push_back({there.output, there.distance, DeviceConvolution(device_, there)});
+  eyes_.back().there.grow(memory_.work);
+  return eyes_.back();
 }
 
 // The samples of a frame stay if there is memory for those of all frames.
-void ShareLight::show_views(const ViewTargets& views) {
+void ShareLight::show_views(const ViewTargets& views, const PupilPropagation& way, bool is_kept) {
   const size_t count = views.pupils.size(), pixels = size_t(views.picture.pixels());
-  make(memory_.pupil, size_t(eyes_->window.pixels()) * sizeof(std::complex<float>), "the light of the pupils");
+  if (!transforms_) transforms_.emplace(device_);
+  Eyes& eyes = eyes_at(way);
+  make(memory_.pupil, size_t(eyes.window.pixels()) * sizeof(std::complex<float>), "the light of the pupils");
   make(memory_.back, bytes_of_samples(), "the light of a panel");
-  views_.emplace(Views{{}, {}, {}, views.picture, !share_.are_streamed()});
+  views_.emplace(Views{&eyes, {}, {}, {}, views.picture, is_kept && !share_.are_streamed()});
   for (size_t k = 0; k < count; ++k) {
-    views_->there.emplace_back(eyes_->transforms, eyes_->window, views, k);
+    views_->there.emplace_back(*transforms_, eyes.window, views, k);
     views_->mean.push_back(device_.make_buffer(pixels * sizeof(float), "the views"));
   }
   const double of_pictures = double(share_.frames() * count * pixels * sizeof(std::complex<float>));
@@ -210,13 +200,17 @@ const DeviceBuffer& ShareLight::picture_of(size_t m, size_t view) const {
 }
 
 void ShareLight::take_pictures(size_t m, const DeviceFrame& frame) {
-  eyes_->there.to_many(light_of(m, frame), {{0, &memory_.pupil}}, memory_.work);
+  views_->eyes->there.to_many(light_of(m, frame), {{0, &memory_.pupil}}, memory_.work);
   for (size_t k = 0; k < views_->there.size(); ++k)
-    views_->there[k].take(eyes_->transforms, memory_.pupil, picture_of(m, k));
+    views_->there[k].take(*transforms_, memory_.pupil, picture_of(m, k));
 }
 
-void ShareLight::take_residual_of_view(size_t view, double scale) {
-  take_residual(device_, views_->there[view].target(), scale, views_->mean[view]);
+ModulusSums ShareLight::fit_sums_of_view(size_t view) {
+  return holotrace::fit_sums(device_, views_->there[view].target(), views_->mean[view]);
+}
+
+double ShareLight::leave_residual_of_view(size_t view, double scale) {
+  return holotrace::leave_residual(device_, views_->there[view].target(), scale, views_->mean[view]);
 }
 
 void ShareLight::add_slopes_of_views(double factor) {
@@ -224,11 +218,14 @@ void ShareLight::add_slopes_of_views(double factor) {
     if (!views_->are_kept) take_pictures(m, frame);
     clear(device_, memory_.pupil);
     for (size_t k = 0; k < views_->there.size(); ++k)
-      views_->there[k].add_adjoint(eyes_->transforms, picture_of(m, k), views_->mean[k], memory_.pupil);
-    eyes_->there.to_sum({{0, &memory_.pupil}}, memory_.back, memory_.work);
+      views_->there[k].add_adjoint(*transforms_, picture_of(m, k), views_->mean[k], memory_.pupil);
+    views_->eyes->there.to_sum({{0, &memory_.pupil}}, memory_.back, memory_.work);
     // Of frames that come and go, the light is that of the frame that is there: take_pictures has made it.
     panel_.add_slope(frame, detail_, memory_.u[share_.are_streamed() ? 0 : m], {memory_.back, memory_.panel}, factor);
   });
+}
+
+void ShareLight::drop_views() {
   device_.finish();  // before the memory of the views is released
   views_.reset();
 }

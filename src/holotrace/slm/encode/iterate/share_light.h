@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <deque>
 #include <map>
 #include <optional>
 #include <vector>
@@ -53,34 +54,33 @@ class ShareLight {
   /// Forgets the light of a plane.
   void drop(size_t plane);
 
-  /// The same for views: the way to the plane of their pupils, which must be there first; the frames' part of the mean
-  /// irradiance in each view; its residual, of the first share; and the slopes, with which the views are forgotten.
-  bool has_eyes() const { return eyes_.has_value(); }
-  void make_eyes(const PupilPropagation& way);
-  void show_views(const ViewTargets& views);
+  /// The same for views, given the way to the window of their pupils: the frames' part of the mean irradiance in each view;
+  /// sums and residual of a view, of the first share; and the slopes. Views that are dropped are forgotten.
+  void show_views(const ViewTargets& views, const PupilPropagation& way, bool is_kept);
   const DeviceBuffer& mean_of_view(size_t view) const { return views_->mean[view]; }
-  void take_residual_of_view(size_t view, double scale);
+  ModulusSums fit_sums_of_view(size_t view);
+  double leave_residual_of_view(size_t view, double scale);
   void add_slopes_of_views(double factor);
+  void drop_views();
 
  private:
-  // A target, and the way to the samples of its plane; with a pupil, first to the window of the pupil.
+  // A target, and the way to the samples of its plane.
   struct Way {
     std::optional<DeviceTarget> target;
     std::vector<Vec2> shifts;
-    std::optional<DeviceConvolution> to_pupil;
     DeviceConvolution there;
-    DeviceBuffer disc;
   };
 
-  // The way to the plane of the pupils.
+  // The way to a window of pupils.
   struct Eyes {
     Grid window;
+    double z;
     DeviceConvolution there;
-    ViewTransforms transforms;
   };
 
   // Views of an update: their mean irradiance, and the samples of each frame and view, if they stay.
   struct Views {
+    Eyes* eyes;
     std::vector<DeviceView> there;
     std::vector<DeviceBuffer> mean, pictures;
     Grid picture;
@@ -98,8 +98,8 @@ class ShareLight {
   DevicePlaneLight take_spare();
   const DeviceBuffer& light_of(size_t m, const DeviceFrame& frame);
   std::vector<DisplacedSamples> samples_for(const Way& way, SampleGroup group, size_t frame, DevicePlaneLight& light);
-  void to_plane(Way& way, const DeviceBuffer& u, const std::vector<DisplacedSamples>& samples);
   void to_panel(Way& way, const std::vector<DisplacedSamples>& samples);
+  Eyes& eyes_at(const PupilPropagation& way);
   void add_powers(const std::vector<DisplacedSamples>& samples, SampleGroup group, bool is_first,
                   DevicePlaneLight& light);
   void take_pictures(size_t m, const DeviceFrame& frame);
@@ -115,7 +115,8 @@ class ShareLight {
   std::vector<Way> ways_;
   PanelDetail detail_;                         // of the light that left last
   std::map<size_t, DevicePlaneLight> lights_;  // of planes that are shown and not dropped yet
-  std::optional<Eyes> eyes_;                   // made for the first views
+  std::deque<Eyes> eyes_;                      // to all windows that views have had
+  std::optional<ViewTransforms> transforms_;
   std::optional<Views> views_;
 };
 

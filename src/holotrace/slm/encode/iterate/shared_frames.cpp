@@ -72,7 +72,6 @@ class SharedFrames::Light : public ColourLight {
     FrameOrderMessage message = to(FrameOrder::add);
     message.wavelength = target.wavelength;
     message.z = target.z;
-    message.pupil = target.pupil;
     frames_.order(packed(message));
     own_->add(target);
   }
@@ -103,13 +102,20 @@ class SharedFrames::Light : public ColourLight {
     return own_->add_gradient(plane, group, scale, factor);
   }
 
-  void add_views(const ViewTargets& views, double scale, double factor) override {
-    FrameOrderMessage message = to(FrameOrder::add_views);
+  ModulusSums view_sums(const ViewTargets& views, bool is_kept) override {
+    FrameOrderMessage message = to(FrameOrder::view_sums);
+    message.is_kept = is_kept;
+    frames_.order(packed(message));
+    frames_.order(pack_views(views));
+    return own_->view_sums(views, is_kept);
+  }
+
+  double add_gradient_of_views(const ViewTargets& views, double scale, double factor) override {
+    FrameOrderMessage message = to(FrameOrder::add_gradient_of_views);
     message.scale = scale;
     message.factor = factor;
     frames_.order(packed(message));
-    frames_.order(pack_views(views));
-    own_->add_views(views, scale, factor);
+    return own_->add_gradient_of_views(views, scale, factor);
   }
 
  private:

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "holotrace/base/error.h"
-#include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 #include "holotrace/wave/propagate/adjoint.h"
 #include "holotrace/wave/propagate/convolve.h"
@@ -32,27 +31,6 @@ Grid finer(Grid grid, int subpixels) {
   return grid;
 }
 
-// The smallest window on the lattice of a grid that holds a pupil.
-Grid window_of(const Pupil& pupil, const Grid& grid) {
-  const int samples = int(std::ceil(pupil.diameter / grid.pitch)) + 1;
-  const auto nearest = [&](double place, int count, double centre) {
-    const double first = centre - (count - 1) / 2.0 * grid.pitch;  // a sample of the grid
-    const double offset = place - (samples - 1) / 2.0 * grid.pitch - first;
-    return first + std::round(offset / grid.pitch) * grid.pitch + (samples - 1) / 2.0 * grid.pitch;
-  };
-  return {samples, samples, grid.pitch, nearest(pupil.centre.x, grid.nx, grid.centre_x),
-          nearest(pupil.centre.y, grid.ny, grid.centre_y)};
-}
-
-PropagateParams to_window(const Grid& grid) {
-  PropagateParams params;
-  params.columns = grid.nx;
-  params.rows = grid.ny;
-  params.centre_x = grid.centre_x;
-  params.centre_y = grid.centre_y;
-  return params;
-}
-
 }  // namespace
 
 TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z, const TargetOptics& optics)
@@ -68,26 +46,9 @@ TargetPropagation::TargetPropagation(const Slm& slm, double wavelength, double z
       return is_inside ? scale * dimmed : 0;
     };
   };
-  Propagator<float>* first = &there_;
-  if (optics.pupil) {
-    const Pupil& pupil = *optics.pupil;
-    const Grid window = window_of(pupil, grid);
-    to_pupil_ = make_propagator<float>(grid, wavelength, pupil.centre.z, to_window(window));
-    first = &*to_pupil_;
-    there_ = make_propagator<float>(window, wavelength, z - pupil.centre.z, to_window(grid));
-    disc_ = Array2D<float>(window.ny, window.nx);
-    for (int j = 0; j < window.ny; ++j)
-      for (int i = 0; i < window.nx; ++i)
-        disc_(j, i) = std::hypot(window.x(i) - pupil.centre.x, window.y(j) - pupil.centre.y) <= pupil.diameter / 2;
-  } else {
-    there_ = make_propagator<float>(grid, wavelength, z);
-  }
+  there_ = make_propagator<float>(grid, wavelength, z);
   if (optics.aperture == PixelAperture::included || optics.stop < 1 || samples > 1)
-    filter_transfer<float>(*first, passing(slm.lit_x()), passing(slm.lit_y()));
-  if (optics.pupil) {
-    from_pupil_ = adjoint_of(*to_pupil_);
-    back_ = adjoint_of(there_);
-  }
+    filter_transfer<float>(there_, passing(slm.lit_x()), passing(slm.lit_y()));
 }
 
 std::vector<size_t> samples_of(SampleGroup group, size_t count) {
@@ -107,14 +68,9 @@ std::vector<Vec2> TargetPropagation::shifts_of(SampleGroup group) const {
 }
 
 std::vector<Field> TargetPropagation::to_plane(const Field& panel, SampleGroup group) const {
-  Field at_pupil;
-  if (to_pupil_) {
-    at_pupil = convolve(panel, *to_pupil_, {});
-    multiply_by_real(disc_.values.data(), at_pupil.samples.values.data(), disc_.size());
-  }
   std::vector<ConvolutionLink<float>> links;
   for (const Vec2& shift : shifts_of(group)) links.push_back({&there_, false, shift.x, shift.y});
-  return convolve_to_many(to_pupil_ ? at_pupil : panel, links);
+  return convolve_to_many(panel, links);
 }
 
 Field TargetPropagation::to_panel(const std::vector<Field>& plane, SampleGroup group) const {
@@ -122,13 +78,10 @@ Field TargetPropagation::to_panel(const std::vector<Field>& plane, SampleGroup g
   std::vector<ConvolutionLink<float>> links;
   std::vector<const Field*> fields;
   for (size_t i = 0; i < plane.size(); ++i) {
-    links.push_back({back_ ? &*back_ : &there_, !back_, -shifts[i].x, -shifts[i].y});
+    links.push_back({&there_, true, -shifts[i].x, -shifts[i].y});
     fields.push_back(&plane[i]);
   }
-  Field back = convolve_to_sum(fields, links);
-  if (!from_pupil_) return back;
-  multiply_by_real(disc_.values.data(), back.samples.values.data(), disc_.size());
-  return convolve(back, *from_pupil_, {});
+  return convolve_to_sum(fields, links);
 }
 
 }  // namespace holotrace

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "holotrace/base/vec.h"
@@ -36,17 +35,14 @@ std::vector<size_t> samples_of(SampleGroup group, size_t count);
 struct TargetOptics {
   PixelAperture aperture = PixelAperture::included;
   PixelSamples samples = PixelSamples::middle;
-  int subpixels = 1;             ///< field samples per pixel and axis on the panel, and in the target plane
-  double stop = 1;               ///< half width of a stop on the axis, as a fraction of 1/2p; 1: no stop
-  std::optional<Pupil> pupil{};  ///< pupil between the panel and the viewer's retina
+  int subpixels = 1;  ///< field samples per pixel and axis on the panel, and in the target plane
+  double stop = 1;    ///< half width of a stop on the axis, as a fraction of 1/2p; 1: no stop
 };
 
 /// The propagation T from a panel to the samples of a target plane, and its adjoint, prepared for iterations. The
 /// window of the plane is as large as the panel, and zero-padded.
 ///
 /// T is scaled so that Σ|v|² over the samples of a pixel is the mean irradiance over the pixel, and ‖T‖ ≤ 1.
-/// A pupil blocks light beside its disc in its own plane: the light goes from the panel to the pupil, and from there
-/// back to the target plane, in a window just as large as the pupil.
 class TargetPropagation {
  public:
   /// @param wavelength  [m]
@@ -62,20 +58,14 @@ class TargetPropagation {
 
   /// Places of the samples from the pixels' middles [samples].
   const std::vector<Vec2>& shifts() const { return shifts_; }
-  /// The propagation to the plane; with a pupil, from the pupil to the plane.
+  /// The propagation to the plane.
   const Propagator<float>& there() const { return there_; }
-  /// With a pupil: the propagation from the panel to its window, and 1 inside the pupil.
-  const std::optional<Propagator<float>>& to_pupil() const { return to_pupil_; }
-  const Array2D<float>& disc() const { return disc_; }
 
  private:
   std::vector<Vec2> shifts_of(SampleGroup group) const;
 
-  std::vector<Vec2> shifts_;                                // of the samples from the pixels' middles [samples]
-  Propagator<float> there_;                                 // to the plane, or from the pupil to the plane
-  std::optional<Propagator<float>> back_;                   // with a pupil: its adjoint, …
-  std::optional<Propagator<float>> to_pupil_, from_pupil_;  // … the propagation from the panel and its adjoint
-  Array2D<float> disc_;                                     // 1 inside the pupil
+  std::vector<Vec2> shifts_;  // of the samples from the pixels' middles [samples]
+  Propagator<float> there_;
 };
 
 }  // namespace holotrace

@@ -14,8 +14,8 @@ using descent_kernel::spread_along;
 
 namespace {
 
-const float* weights_of(const TargetPlane& target, int row) {
-  return target.weight.size() == 0 ? nullptr : target.weight.row(row);
+const float* weights_of(const Array2D<float>& weight, int row) {
+  return weight.size() == 0 ? nullptr : weight.row(row);
 }
 
 // Σ over rows of `work(row)`, in their order.
@@ -33,11 +33,18 @@ double sum_of_rows(int rows, const Work& work) {
 
 double target_power(const TargetPlane& target) {
   return sum_of_rows(target.amplitude.ny, [&](int j) {
-    const float *a = target.amplitude.row(j), *w = weights_of(target, j);
+    const float *a = target.amplitude.row(j), *w = weights_of(target.weight, j);
     double sum = 0;
     for (int i = 0; i < target.amplitude.nx; ++i) sum += (w ? double(w[i]) : 1.0) * a[i] * a[i];
     return sum;
   });
+}
+
+double target_power(const ViewTargets& views) {
+  double power = 0;
+  for (const Array2D<float>& amplitude : views.amplitudes)
+    for (const float a : amplitude.values) power += double(a) * a;
+  return power;
 }
 
 namespace {
@@ -136,14 +143,14 @@ void multiply(const Array2D<float>& factor, std::vector<Field>& samples) {
   for (Field& field : samples) multiply(factor, field);
 }
 
-ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power) {
-  const int nx = target.amplitude.nx, ny = target.amplitude.ny;
+ModulusSums fit_sums(const Array2D<float>& amplitude, const Array2D<float>& weight, const Array2D<float>& power) {
+  const int nx = amplitude.nx, ny = amplitude.ny;
   std::vector<ModulusSums> rows(static_cast<size_t>(ny));
   parallel_for(
       0, ny,
       [&](int64_t j) {
         rows[size_t(j)] =
-            modulus_sums(power.row(int(j)), target.amplitude.row(int(j)), weights_of(target, int(j)), size_t(nx));
+            modulus_sums(power.row(int(j)), amplitude.row(int(j)), weights_of(weight, int(j)), size_t(nx));
       },
       {}, 16);
   ModulusSums sums;
@@ -156,7 +163,7 @@ ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power) {
 
 double modulus_error(const TargetPlane& target, const Array2D<float>& power, double scale) {
   return sum_of_rows(target.amplitude.ny, [&](int j) {
-    const float *a = target.amplitude.row(j), *w = weights_of(target, j), *light = power.row(j);
+    const float *a = target.amplitude.row(j), *w = weights_of(target.weight, j), *light = power.row(j);
     double sum = 0;
     for (int i = 0; i < target.amplitude.nx; ++i)
       sum += (w ? double(w[i]) : 1.0) * std::pow(std::sqrt(double(light[i])) - scale * a[i], 2);
@@ -164,10 +171,10 @@ double modulus_error(const TargetPlane& target, const Array2D<float>& power, dou
   });
 }
 
-double leave_residual(const TargetPlane& target, double scale, Array2D<float>& power) {
-  return sum_of_rows(target.amplitude.ny, [&](int j) {
-    return take_residual(power.row(j), target.amplitude.row(j), weights_of(target, j), float(scale),
-                         size_t(target.amplitude.nx));
+double leave_residual(const Array2D<float>& amplitude, const Array2D<float>& weight, double scale,
+                      Array2D<float>& power) {
+  return sum_of_rows(amplitude.ny, [&](int j) {
+    return take_residual(power.row(j), amplitude.row(j), weights_of(weight, j), float(scale), size_t(amplitude.nx));
   });
 }
 

@@ -18,6 +18,9 @@ using SamplePower = std::array<Array2D<float>, 4>;
 /// Σw·a².
 double target_power(const TargetPlane& target);
 
+/// Σa² over all pictures.
+double target_power(const ViewTargets& views);
+
 /// power ← power + factor·Σ|v|², the sum over the samples of a pixel: one in each of several fields, or n × n in one
 /// field that is n times as fine.
 void add_power(const std::vector<Field>& samples, double factor, Array2D<float>& power);
@@ -41,14 +44,21 @@ SamplePower spread_to_samples(const Array2D<float>& pixels);
 void multiply(const Array2D<float>& factor, std::vector<Field>& samples);
 void multiply(const Array2D<float>& factor, Field& samples);
 
-/// Σw·a·A and Σw·A².
-ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power);
+/// Σw·a·A and Σw·A². Without weights, w is 1.
+ModulusSums fit_sums(const Array2D<float>& amplitude, const Array2D<float>& weight, const Array2D<float>& power);
+inline ModulusSums fit_sums(const TargetPlane& target, const Array2D<float>& power) {
+  return fit_sums(target.amplitude, target.weight, power);
+}
 
 /// Σw·(A − s·a)².
 double modulus_error(const TargetPlane& target, const Array2D<float>& power, double scale);
 
 /// As modulus_error; the power becomes the factor w·(s·a − A)/A, which turns the light into its residual.
-double leave_residual(const TargetPlane& target, double scale, Array2D<float>& power);
+double leave_residual(const Array2D<float>& amplitude, const Array2D<float>& weight, double scale,
+                      Array2D<float>& power);
+inline double leave_residual(const TargetPlane& target, double scale, Array2D<float>& power) {
+  return leave_residual(target.amplitude, target.weight, scale, power);
+}
 
 /// to ← to + factor·from, or factor·from where `to` has no samples yet.
 void add_part(const Field& from, double factor, Field& to);

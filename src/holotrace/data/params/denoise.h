@@ -1,0 +1,16 @@
+#pragma once
+
+#include <initializer_list>
+
+#include "holotrace/data/params/choice.h"
+
+namespace holotrace {
+
+/// Which path-traced pictures are denoised, if Open Image Denoise is there: those that people look at and targets of
+/// holograms (automatic); none; or radiometric results as well (all).
+enum class Denoise { automatic, none, all };
+
+inline constexpr std::initializer_list<Choice<Denoise>> denoise_names{
+    {"auto", Denoise::automatic}, {"none", Denoise::none}, {"all", Denoise::all}};
+
+}  // namespace holotrace

@@ -1,0 +1,171 @@
+#include "holotrace/run/eye_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/acceptance.h"
+#include "holotrace/run/target_planes.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/trace/focal_stack.h"
+#include "holotrace/view/combine_views.h"
+#include "holotrace/view/diffraction_limit.h"
+#include "holotrace/view/pupil_picture.h"
+
+namespace holotrace {
+namespace {
+
+// The box that pupils are drawn from: a little larger than the eyebox, since places at its edge have neighbours on one side only.
+Eyebox drawn_box(const EncodeParams& params) {
+  Eyebox box = eyebox_of(params);
+  box.width += pupil_of(params) / 6;
+  box.height += pupil_of(params) / 6;
+  return box;
+}
+
+// Part of the plane of an eye that pupils with their middles in that box cover.
+PlanePart covered_part(const Vec3& eye, const EncodeParams& params) {
+  const Eyebox box = drawn_box(params);
+  const double across = (box.width + pupil_of(params)) / 2, down = (box.height + pupil_of(params)) / 2;
+  return {{eye.x - across, eye.y - down}, {eye.x + across, eye.y + down}};
+}
+
+// Width and height about the axis of what a pupil somewhere in that part sees of the plane at a distance.
+Vec2 seen_size(const Grid& panel, const PlanePart& part, double z, double distance) {
+  const auto side = [&](double panel_side, double low, double high) {
+    return panel_side * (distance + z) / z + 2 * std::max(std::abs(low), std::abs(high)) * distance / z;
+  };
+  return {side(panel.width(), part.low.x, part.high.x), side(panel.height(), part.low.y, part.high.y)};
+}
+
+// The order of planes in a round of updates.
+size_t plane_of_update(size_t planes, uint64_t seed, int update) {
+  CounterRandom random(seed, 2, uint64_t(update) / planes);
+  std::vector<size_t> order(planes);
+  for (size_t i = 0; i < planes; ++i) order[i] = i;
+  for (size_t i = planes; i > 1; --i) std::swap(order[i - 1], order[size_t(random.uniform() * double(i))]);
+  return order[size_t(update) % planes];
+}
+
+ViewTargets view_from(const EyeLight& eye, const Job& job, double distance, double wavelength, const Vec3& middle) {
+  const Grid& panel = job.slm.grid;
+  const PlanePart part = covered_part(eye.eye, job.encode);
+  const Pupil pupil{middle, pupil_of(job.encode)};
+  const Vec2 seen = seen_size(panel, part, eye.eye.z, distance);
+  return views_of(eye.light, job, distance, wavelength, {pupil}, pupil_window_grid(panel, part),
+                  picture_grid(panel, seen.x, seen.y, pupil, wavelength, -distance));
+}
+
+}  // namespace
+
+std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const RenderParams& params,
+                                      const Observer& observer) {
+  std::vector<EyeLight> lights;
+  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
+  const double diameter = pupil_of(job.encode);
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  for (const Vec3& eye : eyes) {
+    const PlanePart part = covered_part(eye, job.encode);
+    const double cell = diameter / 6;
+    const auto cells = [&](double low, double high) { return int(std::ceil((high - low) / cell * (1 - 1e-9))); };
+    LightFieldParams field{.columns = cells(part.low.x, part.high.x), .rows = cells(part.low.y, part.high.y)};
+    field.lens = {field.columns, field.rows, cell, eye.x, eye.y};
+    field.lens_z = eye.z;
+    field.distance = distance;
+    const Vec2 seen = seen_size(job.slm.grid, part, eye.z, distance);
+    const double pixel =
+        *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + eye.z) / (4 * diameter);
+    field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
+    RenderParams of_eye = params;
+    const double area = field.lens.width() * field.lens.height();
+    of_eye.paths = std::max(1, int(std::lround(paths_per_pixel(params) * area / (pi / 4 * diameter * diameter))));
+    lights.push_back({eye, trace_light_field(job.scene, job.slm.grid, wavelength, field, of_eye,
+                                             part_of(observer, int(lights.size()), int(eyes.size())))});
+  }
+  return lights;
+}
+
+LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z) {
+  LightField one = light;
+  for (Image& view : one.views) {
+    view = seen_at(view, {wavelength});
+    limit_to_pupil(view, light.plane.pitch, wavelength, light.distance + z, diameter);
+  }
+  return one;
+}
+
+Pupil camera_pupil(const Job& job) {
+  const double z = job.camera.eye.z > 0 ? job.camera.eye.z : 0.3;
+  return {{job.camera.eye.x, job.camera.eye.y, z}, job.camera.pupil > 0 ? job.camera.pupil : 2e-3};
+}
+
+ViewTargets views_of(const LightField& light, const Job& job, double distance, double wavelength,
+                     const std::vector<Pupil>& pupils, const Grid& window, const Grid& picture) {
+  ViewTargets views{-distance, wavelength, window, picture, pupils, {}};
+  const double shared = view_wavelength(job.wavelengths, job.trace.has_common_cone);
+  const Grid& panel = job.slm.grid;
+  const double reach = box_radius(distance, shared, panel.pitch);
+  const double largest = std::min(panel.width(), 2 * reach) * std::min(panel.height(), 2 * reach);
+  for (const Pupil& pupil : pupils) {
+    PupilPicture seen = picture_through(light, shared, picture, distance, pupil);
+    const double to_pupil = distance + pupil.centre.z;
+    const double solid = pi / 4 * std::pow(pupil.diameter * distance / to_pupil, 2) / largest;
+    Image& radiance = seen.radiance;
+    for (size_t i = 0; i < radiance.values.size(); ++i) radiance.values[i] *= float(solid) * seen.open.values[i];
+    Array2D<float>& amplitude = views.amplitudes.emplace_back(radiance.ny, radiance.nx);
+    for (size_t i = 0; i < amplitude.size(); ++i) amplitude.values[i] = std::sqrt(std::max(0.0F, radiance.values[i]));
+  }
+  return views;
+}
+
+ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const std::vector<double>& distances,
+                                  int update, double wavelength) {
+  CounterRandom random(uint64_t(job.encode.seed), 1, uint64_t(update));
+  const double distance =
+      distances[std::min(distances.size() - 1, size_t(random.uniform() * double(distances.size())))];
+  const double diameter = camera_pupil(job).diameter, z = camera_pupil(job).centre.z;
+  const Grid& panel = job.slm.grid;
+  // Centres of pupils along one axis of the window, from one edge to the other.
+  const auto centres = [&](double side) {
+    std::vector<double> values;
+    double at = -side / 2 - diameter / 2 + diameter * random.uniform();
+    while (at <= side / 2 + diameter / 2) {
+      if (std::abs(at) <= side / 2) values.push_back(at);
+      at += diameter;
+    }
+    if (values.empty()) values.push_back(side * (random.uniform() - 0.5));
+    return values;
+  };
+  const std::vector<double> across = centres(panel.width()), down = centres(panel.height());
+  std::vector<Pupil> pupils;
+  for (const double y : down)
+    for (const double x : across) pupils.push_back({{x, y, z}, diameter});
+  const int margin = int(std::ceil(diameter / 2 / panel.pitch));
+  const Grid window{panel.nx + 2 * margin, panel.ny + 2 * margin, panel.pitch, panel.centre_x, panel.centre_y};
+  return views_of(light, job, distance, wavelength, pupils, window,
+                  picture_grid(panel, panel.width(), panel.height(), pupils.front(), wavelength, -distance));
+}
+
+ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vector<double>& distances, int update,
+                             double wavelength) {
+  const Eyebox box = drawn_box(job.encode);
+  CounterRandom random(uint64_t(job.encode.seed), 3, uint64_t(update));
+  const double distance = distances[plane_of_update(distances.size(), uint64_t(job.encode.seed), update)];
+  Vec3 middle = eye.eye;
+  double x = 0, y = 0;
+  do {
+    x = box.width * (random.uniform() - 0.5);
+    y = box.height * (random.uniform() - 0.5);
+  } while (!box.holds(x, y));
+  middle.x += x;
+  middle.y += y;
+  return view_from(eye, job, distance, wavelength, middle);
+}
+
+ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength) {
+  return view_from(eye, job, distance, wavelength, eye.eye);
+}
+
+}  // namespace holotrace

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include "holotrace/base/observer.h"
+#include "holotrace/base/vec.h"
+#include "holotrace/data/job.h"
+#include "holotrace/data/light_field.h"
+#include "holotrace/data/pupil.h"
+#include "holotrace/data/target.h"
+
+namespace holotrace {
+
+/// The light that pupils in a plane before the panel get, as path tracing finds it.
+struct EyeLight {
+  Vec3 eye;            ///< middle of the places of pupils [m]
+  LightField light{};  ///< of the panel, or of the places around the eye
+};
+
+/// The light for each eye of a job: that of the places which pupils cover when their middles are in the eyebox.
+///
+/// Cells of the light field are at most a sixth of a pupil wide, and pixels in its plane half as wide as the finest detail
+/// that a pupil shows. Each pixel has, within a pupil, as many paths as `render.paths` in the mean.
+/// @throws Error  for an eye that no ray from the panel's window reaches within the panel's acceptance, naming the nearest
+///                place; and as trace_light_field does
+std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const RenderParams& params,
+                                      const Observer& observer = {});
+
+/// A light field in the light of one wavelength, with the blur of a pupil of that diameter at z (limit_to_pupil): its pictures,
+/// of one channel, then hold no detail that the samples of views miss.
+LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z);
+
+/// What pupils should see of light_for_pupil, focused on a plane at a distance from the panel.
+///
+/// The amplitude of a picture is √(L·open·Ω/Ω₀): Ω = (D²π/4)/(d + e_z)² is the solid angle of the pupil, `open` the part of it
+/// that the panel lets through, Ω₀ that of the largest part of the panel that a place of the plane sees.
+ViewTargets views_of(const LightField& light, const Job& job, double distance, double wavelength,
+                     const std::vector<Pupil>& pupils, const Grid& window, const Grid& picture);
+
+/// The pupil of the camera; without one, 2 mm wide, and 300 mm from the panel if it is on the panel.
+Pupil camera_pupil(const Job& job);
+
+/// Views for an update through pupils side by side over a window as large as the panel, the first one anywhere, like
+/// camera_pupil. They are focused on one of the planes.
+ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const std::vector<double>& distances,
+                                  int update, double wavelength);
+
+/// Views of one pupil: anywhere in the box of an eye, or in its middle. The pictures hold all that the pupil sees through the
+/// panel.
+ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vector<double>& distances, int update,
+                             double wavelength);
+ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength);
+
+}  // namespace holotrace
