@@ -59,7 +59,7 @@ TEST(BadInput, BrokenTomlIsPlacedByLineAndColumn) {
   work.write("scene.toml", "wavelength = = 3\n");
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:1:14: expected a value"});  // the second =
   work.write("scene.toml", "");
-  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml", "wavelength", "missing"});
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml", "at least one object"});
   work.write("scene.toml", std::string("\xff\xfe\x00\x01", 4));
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:1:1: expected text in UTF-8"});
 }

@@ -84,7 +84,7 @@ TEST(BadTables, PathExpressionsArePlacedByLineColumnAndCharacter) {
 
 TEST(BadTables, NumbersAndPlacesTellWhatCame) {
   expect_sentences({
-      {"[trace]\nframes = 0\n", "scene.toml:7:10: expected a whole number of 1 or more for \"frames\", got 0"},
+      {"[trace]\nframes = -1\n", "scene.toml:7:10: expected a whole number of 0 or more for \"frames\", got -1"},
       {"[render]\neye = \"0 0 -1 mm\"\n",
        "scene.toml:7:7: expected a length of 0 m or more for z of \"eye\", got -1 mm"},
       {"[camera]\nbits = 12\n", "scene.toml:7:8: expected 8 or 16 for \"bits\", got 12"},

@@ -119,7 +119,7 @@ TEST(CompareCommand, FindsForTheFilesOfARunWhatItsReportSays) {
     const Outcome outcome = work.run({"compare", "out/render.png", view, "--json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const auto facts = nlohmann::json::parse(outcome.out);
-    EXPECT_EQ(facts["placed"], "out/render.png (64 × 64 pixels) on the 256 × 192 pixels of " + view +
+    EXPECT_EQ(facts["placed"], "out/render.png (85 × 64 pixels) on the 256 × 192 pixels of " + view +
                                    ", each the mean over its area, by report.json");
     EXPECT_EQ(facts["colours"], "light of 532 nm");
     const Outcome exact = work.run({"compare", "out/render.exr", view, "--json"});
@@ -132,7 +132,7 @@ TEST(CompareCommand, FindsForTheFilesOfARunWhatItsReportSays) {
       }
   }
   // A view that was replaced since then is not that of the report.
-  save_photograph(work.path("out/view.png"), 64, 64, 1, 0, 0, 0, 1);
+  save_photograph(work.path("out/view.png"), 85, 64, 1, 0, 0, 0, 1);
   const Outcome replaced = work.run({"compare", "out/render.png", "out/view.png"});
   EXPECT_EQ(replaced.exit_code, 0) << replaced.err;
   EXPECT_EQ(replaced.out.find("placed"), std::string::npos) << replaced.out;

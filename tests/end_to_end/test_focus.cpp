@@ -185,12 +185,13 @@ TEST_P(Reconstruction, OfATexturedQuadIsItsRender) {
   const Workplace work;
   save_image(work.path("letter.png"), texture, 1, 8);
   // A uniform sky lights the quad: its radiance is its texture, without noise.
-  work.write("scene.toml", scene_head(small_panel, "background = 1\n") +
-                               "[trace]\ncolumns = 160\nrows = 160\npaths = 1\n"
-                               "[render]\nrows = 256\npaths = 16\n"
-                               "[materials.letter]\ntexture = \"letter.png\"\n"
-                               "[[object]]\ntype = \"quad\"\nwidth = \"2.2 mm\"\nheight = \"2.2 mm\"\n"
-                               "position = \"0 0 -30 mm\"\nmaterial = \"letter\"\n");
+  work.write("scene.toml",
+             scene_head(small_panel, "background = 1\n") +
+                 "[trace]\ncolumns = 160\nrows = 160\npaths = 1\n"
+                 "[render]\ncolumns = 256\nrows = 256\nfield_of_view = \"1.90546 deg\"\npaths = 16\n"  // the acceptance
+                 "[materials.letter]\ntexture = \"letter.png\"\n"
+                 "[[object]]\ntype = \"quad\"\nwidth = \"2.2 mm\"\nheight = \"2.2 mm\"\n"
+                 "position = \"0 0 -30 mm\"\nmaterial = \"letter\"\n");
   expect_success(work, {"render", "scene.toml", "-o", "render.exr"});
   expect_success(work, {"field", "scene.toml", "-o", "f.npy"});
   expect_success(work, {"encode", "f.npy", "-o", "h.png", "--image", GetParam()});

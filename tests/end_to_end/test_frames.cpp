@@ -228,8 +228,8 @@ TEST(Frames, WhatCannotBeShownIsRefusedBeforeAFolderIsMade) {
   work.write("scene.toml", mesh_scene());
   save_sources(work.path("s.ply"), patch(1e-3, 4));
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{"run", "scene.toml", "-o", "out", "--frames", "0"},
-       "holotrace: --frames: expected a whole number of 1 or more, got 0\n"},
+      {{"run", "scene.toml", "-o", "out", "--frames", "-1"},
+       "holotrace: --frames: expected a whole number of 0 or more, got -1\n"},
       {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, 638 nm"},
        "holotrace: expected wavelengths that differ, got 638 nm twice; leave one out, or ask for frames\n"},
       {{"run", "scene.toml", "-o", "out", "--wavelength", "638 nm, -1 nm"},

@@ -227,7 +227,7 @@ TEST(Viewing, ShowSeesAJointHologramInAllOfItsColours) {
                               scene("[encode]\nmethod = \"sgd\"\n"
                                     "target = \"render\"\njoint = true\niterations = 6\ntarget_distances = \"30 mm\"\n")
                                   .substr(scene_head().find('[')));
-  const Outcome of_run = work.run({"run", "scene.toml", "-o", "out"});
+  const Outcome of_run = work.run({"run", "scene.toml", "-o", "out", "--frames", "1"});
   ASSERT_EQ(of_run.exit_code, 0) << of_run.err;
   ASSERT_FALSE(work.has("out/hologram_2.png"));
   const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "view.png", "--distance", "30 mm"});

@@ -114,7 +114,8 @@ void check_job(const Job& job) {
       "expected [encode] joint of a scene with method = \"sgd\" and target = \"render\" or \"light-field\", got another "
       "method or target; give these, or leave joint out: each of the {} wavelengths then has its own hologram",
       job.wavelengths.size());
-  require(job.encode.target == EncodeTarget::field || job.encode.method == Encoding::sgd,
+  require(job.encode.method == Encoding::sgd ||
+              (job.encode.target != EncodeTarget::render && job.encode.target != EncodeTarget::light_field),
           "expected the encoding method sgd for the targets render and light-field, got another one; give method = "
           "\"sgd\", or leave target out");
   if (job.encode.target == EncodeTarget::light_field || aims_at_eyes(job)) {
