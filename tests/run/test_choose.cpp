@@ -150,12 +150,18 @@ TEST(Choose, OtherMethodsKeepTheirTarget) {
   EXPECT_EQ(choose_missing(job).encode.target, EncodeTarget::field);
 }
 
-TEST(Choose, APupilInFrontOfThePanelSeesALightField) {
+TEST(Choose, APupilInFrontOfThePanelIsAnEyeThatTheLightIsFor) {
   Job job = empty_job();
   job.camera.pupil = 3e-3;
   EXPECT_EQ(choose_missing(job).encode.target, EncodeTarget::render);
   job.camera.eye = {0, 0, 0.2};
-  EXPECT_EQ(choose_missing(job).encode.target, EncodeTarget::light_field);
+  const Job chosen = choose_missing(job);
+  EXPECT_EQ(chosen.encode.target, EncodeTarget::render);
+  EXPECT_EQ(chosen.encode.eye, (std::vector<double>{0, 0, 0.2}));
+  EXPECT_EQ(chosen.encode.pupil, 3e-3);
+  EXPECT_EQ(chosen.trace.frames, 1);         // draft
+  job.encode.target = EncodeTarget::render;  // asked for: the light of the whole panel
+  EXPECT_TRUE(choose_missing(job).encode.eye.empty());
 }
 
 TEST(Choose, WavesAreEncodedAsThePanelModulates) {

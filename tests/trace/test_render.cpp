@@ -382,7 +382,7 @@ TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
     return error_of([&] { render(scene, render_panel, green_light, params); });
   };
   EXPECT_EQ(sentence({.rows = 0}), "expected a whole number of 1 or more for \"rows\", got 0");
-  EXPECT_EQ(sentence({.paths = -1}), "expected a whole number of 1 or more for \"paths\", got -1");
+  EXPECT_EQ(sentence({.paths = -1}), "expected a whole number of 0 or more for \"paths\", got -1");
   EXPECT_EQ(sentence({.max_depth = 0}), "expected a whole number of 1 or more for \"max_depth\", got 0");
   EXPECT_EQ(sentence({.eye = {0, 0, -0.1}}), "expected a length of 0 m or more for z of \"eye\", got -100 mm");
   EXPECT_EQ(sentence({.focus = 0}), "expected a length above 0 m for \"focus\", got 0 m");

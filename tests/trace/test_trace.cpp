@@ -327,7 +327,7 @@ TEST(Trace, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   };
   EXPECT_EQ(sentence({.paths = 0}), "expected a whole number of 1 or more for \"paths\", got 0");
   EXPECT_EQ(sentence({.max_depth = 0}), "expected a whole number of 1 or more for \"max_depth\", got 0");
-  EXPECT_EQ(sentence({.columns = 0}), "expected a whole number of 1 or more for \"columns\", got 0");
+  EXPECT_EQ(sentence({.columns = -1}), "expected a whole number of 0 or more for \"columns\", got -1");
   EXPECT_EQ(sentence({.pattern = Pattern::random, .samples = 0}),
             "expected a whole number from 1 to 1099511627776 for \"samples\", got 0");
   EXPECT_EQ(sentence({.field_of_view = 90_deg}),

@@ -25,6 +25,7 @@
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/combine_views.h"
+#include "holotrace/view/compare.h"
 #include "holotrace/view/render_at.h"
 
 namespace holotrace {
@@ -235,6 +236,8 @@ References references_of_scene(const Job& job, const SceneTargets& targets, cons
   return made;
 }
 
+float peak_of(const Image& image) { return *std::max_element(image.values.begin(), image.values.end()); }
+
 // Places that a viewer can focus on. A run is complete without them.
 std::vector<Sources> points_to_focus(const Job& job) {
   try {
@@ -311,6 +314,9 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       report_place(places[d], o);
       report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
       report_lit_render(references[d].image, o);
+      // Without a pupil the render is the target picture, whose peak the metrics refer to.
+      if (targets && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
+        o.fact("psnr_of_target_db", compare(references[d].image, view).psnr);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);

@@ -39,7 +39,8 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
 std::vector<HalvedRender> trace_scene_references(const Job& job, const Observer& observer) {
   if (job.render.reference == Reference::none) return {};
   RenderParams params = light_of_waves(job, job.render);
-  params.paths = std::max(2, (is_quick(job) ? quick_paths(paths_per_pixel(job.render)) : paths_per_pixel(job.render)) / 2);
+  params.paths =
+      std::max(2, (is_quick(job) ? quick_paths(paths_per_pixel(job.render)) : paths_per_pixel(job.render)) / 2);
   std::vector<HalvedRender> references;
   Observer progress;  // facts are those of the targets
   for (int half = 0; half < 2; ++half) {

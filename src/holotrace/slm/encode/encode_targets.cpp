@@ -104,14 +104,18 @@ bool is_dark(const TargetSet& targets, double wavelength, const Observer& observ
 
 // The start of frames that aim at planes: the field that shows the middle one. One frame has the phase 0 in that plane, which
 // has the least speckle; several have random phases there, which differ, and keep the light within the planes.
-Field start_at_planes(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params, int frame,
-                      int frames) {
+Field start_at_planes(const std::vector<TargetPlane>& targets, double wavelength, const Slm& slm,
+                      const EncodeParams& params, int frame, int frames) {
+  std::vector<const TargetPlane*> of_colour;
+  for (const TargetPlane& target : targets)
+    if (target.wavelength == wavelength) of_colour.push_back(&target);
+  require(!of_colour.empty(), "expected target planes at {}, got none", format_length(wavelength));
   EncodeParams direct = params;
   direct.method = Encoding::phase;
   direct.iterations = 1;
   direct.start = frames == 1 ? StartPhase::field : StartPhase::random;
   direct.seed = params.seed + frame;
-  return field_of_target(targets[targets.size() / 2], slm, direct);
+  return field_of_target(*of_colour[of_colour.size() / 2], slm, direct);
 }
 
 }  // namespace
@@ -158,7 +162,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   for (int frame = 0; frame < frames; ++frame) {
     Field start(slm.grid, wavelength);
     if (params.start == StartPhase::field && targets.eyes.empty() && !has_dark_targets)
-      start = start_at_planes(targets.planes, slm, params, frame, frames);
+      start = start_at_planes(targets.planes, wavelength, slm, params, frame, frames);
     start.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(start, slm, params, frame == 0 ? observer : Observer{}));
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
