@@ -68,7 +68,7 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
   const std::vector<Vec3> eyes = eyes_of(job.encode);
   for (const Vec3& eye : eyes) {
     const PlanePart part = covered_part(eye, job.encode);
-    const double cell = diameter / 6;
+    const double cell = diameter / 3;
     const auto cells = [&](double low, double high) { return int(std::ceil((high - low) / cell * (1 - 1e-9))); };
     LightFieldParams field{.columns = cells(part.low.x, part.high.x), .rows = cells(part.low.y, part.high.y)};
     field.lens = {field.columns, field.rows, cell, eye.x, eye.y};

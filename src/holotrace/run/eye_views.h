@@ -19,7 +19,7 @@ struct EyeLight {
 
 /// The light for each eye of a job: that of the places which pupils cover when their middles are in the eyebox.
 ///
-/// Cells of the light field are at most a sixth of a pupil wide, and pixels in its plane half as wide as the finest detail
+/// Cells of the light field are at most a third of a pupil wide, and pixels in its plane half as wide as the finest detail
 /// that a pupil shows. Each pixel has, within a pupil, as many paths as `render.paths` in the mean.
 /// @throws Error  for an eye that no ray from the panel's window reaches within the panel's acceptance, naming the nearest
 ///                place; and as trace_light_field does
