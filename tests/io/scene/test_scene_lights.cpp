@@ -163,7 +163,8 @@ TEST(SceneWavelengths, WrongListsArePlaced) {
 }
 
 TEST(SceneParameters, OutOfRangeOnesArePlaced) {
-  EXPECT_EQ(error_of_light("[trace]\nframes = -1"), "3:10: expected a whole number of 0 or more for \"frames\", got -1");
+  EXPECT_EQ(error_of_light("[trace]\nframes = -1"),
+            "3:10: expected a whole number of 0 or more for \"frames\", got -1");
   EXPECT_EQ(error_of_light("[trace]\ntile_columns = 0"),
             "3:16: expected a whole number of 1 or more for \"tile_columns\", got 0");
   EXPECT_EQ(error_of_light("[trace]\ntile_rows = 0"),
