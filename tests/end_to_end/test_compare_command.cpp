@@ -132,7 +132,7 @@ TEST(CompareCommand, FindsForTheFilesOfARunWhatItsReportSays) {
       }
   }
   // A view that was replaced since then is not that of the report.
-  save_photograph(work.path("out/view.png"), 85, 64, 1, 0, 0, 0, 1);
+  save_photograph(work.path("out/view.png"), 64, 85, 1, 0, 0, 0, 1);
   const Outcome replaced = work.run({"compare", "out/render.png", "out/view.png"});
   EXPECT_EQ(replaced.exit_code, 0) << replaced.err;
   EXPECT_EQ(replaced.out.find("placed"), std::string::npos) << replaced.out;
