@@ -15,13 +15,13 @@ namespace holotrace {
 namespace {
 
 // A range of reciprocal distances from the aperture [1/m].
-struct Span {
+struct DepthSpan {
   double far, near;  // far ≤ near
 };
 
 // Planes through spans, evenly spaced in each: no farther apart than `spacing`, or at most so many in all, with about the
 // same spacing in all spans.
-std::vector<double> planes_through(const std::vector<Span>& spans, double spacing, int most) {
+std::vector<double> planes_through(const std::vector<DepthSpan>& spans, double spacing, int most) {
   std::vector<int> planes(spans.size(), 1);
   const auto apart = [&](size_t k) {
     const double length = spans[k].near - spans[k].far;
@@ -44,10 +44,10 @@ std::vector<double> planes_through(const std::vector<Span>& spans, double spacin
   return reciprocals;
 }
 
-std::vector<Span> merged(std::vector<Span> spans) {
-  std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.near > b.near; });
-  std::vector<Span> out;
-  for (const Span& span : spans)
+std::vector<DepthSpan> merged(std::vector<DepthSpan> spans) {
+  std::sort(spans.begin(), spans.end(), [](const DepthSpan& a, const DepthSpan& b) { return a.near > b.near; });
+  std::vector<DepthSpan> out;
+  for (const DepthSpan& span : spans)
     if (!out.empty() && span.near >= out.back().far)
       out.back().far = std::min(out.back().far, span.far);
     else
@@ -80,7 +80,7 @@ std::vector<double> target_distances_of(const Job& job) {
   const double spacing = depth_of_focus_of(job), z = aperture_of(job).z;
   const double beyond = z > 0 ? 0 : spacing;
   // A span may not reach the panel, nor infinity: at most twice as near or as far as its range.
-  std::vector<Span> spans;
+  std::vector<DepthSpan> spans;
   for (const DepthRange& range : ranges)
     spans.push_back({std::max(1 / (range.farthest + z) - beyond, 0.5 / (range.farthest + z)),
                      std::min(1 / (range.nearest + z) + beyond, 1 / (range.nearest / 2 + z))});
