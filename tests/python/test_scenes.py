@@ -140,7 +140,8 @@ def quad(width, height):
 
 def lit(**more):
     return ht.Scene(
-        wavelength="532 nm", slm={"columns": 64, "rows": 48}, render={"rows": 20, "paths": 4},
+        wavelength="532 nm", slm={"columns": 64, "rows": 48},
+        render={"rows": 20, "columns": 20, "field_of_view": "1.9 deg", "paths": 4},
         light=[{"type": "point", "position": "0 0 -50 mm", "intensity": 0.01}], **more)
 
 
@@ -196,8 +197,8 @@ def test_bad_arrays_of_a_scene_are_refused(entry, message):
 def test_errors_of_a_dict_name_its_table():
     with pytest.raises(ht.Error, match=r'^\[slm\]: unknown key "row"; did you mean "rows"'):
         ht.Scene(wavelength="532 nm", slm={"row": 3})
-    with pytest.raises(ht.Error, match="^the scene: expected the key \"wavelength\""):
-        ht.Scene(object=[])
+    with pytest.raises(ht.Error, match="^the scene: expected at least one object in the scene"):
+        ht.Scene(object=[])  # without a wavelength there is a default one
     with pytest.raises(ht.Error, match=r"^\[trace\]: .*\"paths\""):
         ht.Scene(wavelength="532 nm", object=[{"type": "quad", "width": 1e-3, "height": 1e-3, "position": (0, 0, -1)}],
                  trace={"paths": -1})
