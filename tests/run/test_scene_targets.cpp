@@ -353,6 +353,7 @@ TEST(Eyes, MustBeWhereLightOfThePanelComes) {
       << error({0.02, 0, 0.25}, {});
   EXPECT_TRUE(error({0, 0, 0.25}, {"30 mm"}).starts_with("expected an eyebox that light of the panel reaches"));
   EXPECT_TRUE(error({0, 0, 0.25}, {"wide"}).find("wide") != std::string::npos);
+  EXPECT_TRUE(error({}, {"wide"}).find("wide") != std::string::npos) << "also without an eye";
   EXPECT_TRUE(error({0, 0, 0.25}, {"1 2 3 mm"}).starts_with("expected a diameter, a width and a height, or \"all\""));
 }
 

@@ -128,6 +128,8 @@ void check_job(const Job& job) {
         "without eyes",
         target, job.encode.subpixels);
   }
+  eyebox_of(job.encode);  // also where waves or other targets leave eyes unused
+  eyes_of(job.encode);
   if (aims_at_eyes(job)) check_eyes(job);
   if (job.synthesize.method == SynthesisMethod::triangles)
     check_shading(job.scene, job.trace);
