@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/slm/encode/iterate/processor_arrays.h"
+#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_sums.h"
 #include "support/descent.h"
 
 // The gradient of gradient_descent.h, as support/descent.h puts it together, against differences of its loss.
@@ -180,6 +183,64 @@ TEST(Gradient, OfTwoLevelsIsThatAlongTheLineBetweenThem) {
       EXPECT_NEAR(pi / 2 * change, expected, 1e-4 * std::sqrt(square)) << subpixels;  // float sums
       EXPECT_GT(std::abs(expected), std::sqrt(square) / 100) << subpixels;            // else it proves nothing
     }
+}
+
+// The error of views through a pupil beside the axis, in a window of its own: Σ(s·A − a)² at a fixed scale.
+TEST(Gradient, OfViewsIsThatOfFiniteDifferences) {
+  const Slm slm = make_panel(48, 36, 65536);  // levels so fine that rounding is negligible
+  constexpr double scale = 1.3;
+  EncodeParams params;
+  params.method = Encoding::sgd;
+  for (const Pupil& pupil : {Pupil{{1e-4, -5e-5, 0.02}, 1.7e-4}, Pupil{{-9e-5, 6e-5, 0.03}, 2.3e-4}}) {
+    const double radius = pupil.diameter / 2;
+    const PlanePart part{{pupil.centre.x - radius, pupil.centre.y - radius},
+                         {pupil.centre.x + radius, pupil.centre.y + radius}};
+    ViewTargets views;
+    views.z = -0.01;
+    views.wavelength = test_wavelength;
+    views.window = pupil_window_grid(slm.grid, part);
+    views.picture = picture_grid(slm.grid, slm.grid.width(), slm.grid.height(), pupil, test_wavelength, views.z);
+    views.pupils = {pupil};
+    CounterRandom random(8, 0, 0);
+    views.amplitudes.emplace_back(views.picture.ny, views.picture.nx);
+    for (float& a : views.amplitudes.back().values) a = float(random.uniform());
+    std::vector<Hologram> frames(2, make_hologram(slm, Modulation::phase, [](int) { return 0; }));
+    for (Hologram& frame : frames)
+      for (uint16_t& level : frame.level.values) level = uint16_t(20000 + 20000 * random.uniform());
+    const DrivenPanel panel(slm, frames.front(), test_wavelength);
+    const auto error_of = [&](const std::vector<Hologram>& shown) {
+      ProcessorFrames arrays(slm, params, shown);
+      const auto light = arrays.light_of(panel, test_wavelength);
+      light->leave({});
+      const ModulusSums sums = light->view_sums(views, false);
+      return target_power(views) - 2 * scale * sums.cross + scale * scale * sums.square;
+    };
+    ProcessorFrames arrays(slm, params, frames);
+    const auto light = arrays.light_of(panel, test_wavelength);
+    arrays.clear_slopes();
+    light->leave({});
+    light->view_sums(views, true);
+    EXPECT_NEAR(light->add_gradient_of_views(views, scale, 1), error_of(frames), 1e-5 * error_of(frames));  // floats
+    const AdamStep mean_is_slope{0, 0, 0, 1};
+    arrays.step({mean_is_slope, mean_is_slope, 0, 65536, 1});
+    const std::vector<Array2D<float>> state = arrays.state();  // of each frame: rounded, drive, mean, square
+    double square = 0, most = 0;
+    for (const size_t mean : {size_t(2), size_t(6)})
+      for (const float d : state[mean].values) {
+        square += double(d) * d;
+        most = std::max(most, std::abs(double(d)));
+      }
+    const double h = 500 / most;  // the largest change is 500 levels, 0.05 rad
+    const auto at = [&](double step) {
+      std::vector<Hologram> moved = frames;
+      for (size_t m = 0; m < moved.size(); ++m)
+        for (size_t i = 0; i < moved[m].level.size(); ++i)
+          moved[m].level.values[i] =
+              uint16_t(std::lround(moved[m].level.values[i] + step * double(state[4 * m + 2].values[i])));
+      return error_of(moved);
+    };
+    EXPECT_NEAR((at(h) - at(-h)) / (2 * h) / square, 1, 0.01);  // third order in the step, and rounding
+  }
 }
 
 }  // namespace
