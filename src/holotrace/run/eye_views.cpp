@@ -153,15 +153,15 @@ ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vec
   const Eyebox box = drawn_box(job.encode);
   CounterRandom random(uint64_t(job.encode.seed), 3, uint64_t(update));
   const double distance = distances[plane_of_update(distances.size(), uint64_t(job.encode.seed), update)];
-  Vec3 middle = eye.eye;
-  double x = 0, y = 0;
+  double x = 0, y = 0, out = 0;
   do {
     x = box.width * (random.uniform() - 0.5);
     y = box.height * (random.uniform() - 0.5);
-  } while (!box.holds(x, y));
-  middle.x += x;
-  middle.y += y;
-  return view_from(eye, job, distance, wavelength, middle);
+    out = box.part_of_way_out(x, y);
+  } while (out > 1);
+  // Few frames cannot serve the whole box equally well, so more of their pupils are near the eye.
+  const double inwards = std::pow(out, 2.0 / std::max(1, job.trace.frames));
+  return view_from(eye, job, distance, wavelength, eye.eye + Vec3{x, y, 0} * inwards);
 }
 
 ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -79,7 +80,7 @@ inline constexpr std::initializer_list<Choice<Quality>> quality_names{
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
-/// Defaults of the iterations, and of the step of sgd [rad], used where 0 is given.
+/// Defaults of the iterations, and of the step of sgd from random phases [rad], used where 0 is given.
 inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
 inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
@@ -92,10 +93,10 @@ struct Eyebox {
   double width = 0, height = 0;  ///< [m]
   bool is_round = false, is_all = false;
 
-  /// Whether the offset of a pupil from the eye is within the box.
-  bool holds(double x, double y) const {
-    if (!is_round) return std::abs(x) <= width / 2 && std::abs(y) <= height / 2;
-    return std::hypot(x, y) <= width / 2;
+  /// How far out the offset of a pupil from the eye is: 0 in the middle, 1 at the edge.
+  double part_of_way_out(double x, double y) const {
+    if (!is_round) return std::max(std::abs(x) / (width / 2), std::abs(y) / (height / 2));
+    return std::hypot(x, y) / (width / 2);
   }
 };
 
@@ -125,7 +126,7 @@ struct EncodeParams {
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
   double least_gain = 0;                    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
-  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: sgd_step
+  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: as the start needs
   int planes_per_update = 1;                ///< sgd: number of target planes in each iteration, in turn; 0: all
   int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
@@ -202,7 +203,8 @@ void describe(Visitor& v, EncodeParams& p) {
   v.number("least_gain", p.least_gain, range::not_negative,
            "sgd: fall of the loss in dB, between the means of two windows of 10 updates or more, below which the "
            "iterations end early; 0: never");
-  static const std::string step = fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}", sgd_step);
+  static const std::string step =
+      fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start", sgd_step);
   v.number("step", p.step, range::not_negative, step.c_str());
   v.count("planes_per_update", p.planes_per_update, range::not_negative,
           "sgd: number of target planes in each iteration, in turn; 0: all of them");

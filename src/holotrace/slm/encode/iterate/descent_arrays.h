@@ -76,13 +76,12 @@ inline size_t arrays_of_state(const std::vector<Hologram>& frames) {
   return frames.size() * 4 * (frames.front().modulation == Modulation::complex ? 2 : 1);
 }
 
-/// The samples of a plane's pixels that an update takes. Of few frames it takes all four. Of many frames it takes those on one
-/// diagonal or, on request, a single one, in turn: that needs 0.6 or 0.4 of the time, and the frames lose less than 1 dB.
+/// The samples of a plane's pixels that an update takes: those on one diagonal or, on request, a single one, in turn. That needs
+/// 0.6 or 0.4 of the time of all four, and gives the same picture (docs/explanation/encoders.md).
 /// @param round      rounds of all planes that have begun
 /// @param takes_one  whether one sample is enough
-inline SampleGroup samples_of_update(size_t frames, int subpixels, uint64_t round, bool takes_one) {
-  constexpr size_t many = 4;
-  if (frames < many || subpixels > 1) return SampleGroup::all;
+inline SampleGroup samples_of_update(int subpixels, uint64_t round, bool takes_one) {
+  if (subpixels > 1) return SampleGroup::all;
   if (!takes_one) return round % 2 == 0 ? SampleGroup::falling : SampleGroup::rising;
   constexpr std::array in_turn{SampleGroup::first, SampleGroup::fourth, SampleGroup::second, SampleGroup::third};
   return in_turn[round % in_turn.size()];

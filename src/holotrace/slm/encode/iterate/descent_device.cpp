@@ -23,7 +23,7 @@ struct Share {
 
   // Samples of each pixel in a plane. All updates count as the last ones.
   double samples() const {
-    const SampleGroup group = samples_of_update(frames_of_all, setup.params.subpixels, 0, false);
+    const SampleGroup group = samples_of_update(setup.params.subpixels, 0, false);
     return double(samples_of(group, setup.params.subpixels > 1 ? 1 : 4).size());
   }
   double pixels() const { return double(setup.slm.grid.pixels()); }

@@ -37,7 +37,6 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
       grid_(setup.slm.grid),
       iterations_(iterations_of(setup.params)),
       levels_(frames.front().levels),
-      frames_(frames.size()),
       arrays_of_state_(arrays_of_state(frames)),
       arrays_(std::move(arrays)),
       colours_(colours_of(targets, setup, frames.front(), *arrays_)),
@@ -48,7 +47,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
   }
   const bool are_smooth =
       std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) { return colour->has_smooth_targets(); });
-  has_single_samples_ = samples_of(samples_of_update(frames_, params_.subpixels, 0, are_smooth), 4).size() == 1;
+  has_single_samples_ = samples_of(samples_of_update(params_.subpixels, 0, are_smooth), 4).size() == 1;
   const DrivenPanel& panel = colours_.front()->panel();
   turn_ = colours_.size() == 1 ? float(panel.turn()) : 0;
   const double step = params_.step > 0 ? params_.step : sgd_step;
@@ -86,7 +85,7 @@ void FrameDescent::update() {
     double weight = 1;
     if (!colour.targets().empty()) {
       const bool takes_one = has_single_samples_ && !is_late(updates());
-      colour.add_planes(planes, samples_of_update(frames_, params_.subpixels, turns_[c].round(), takes_one),
+      colour.add_planes(planes, samples_of_update(params_.subpixels, turns_[c].round(), takes_one),
                         part(colour));
       weight = view_weight * double(planes.size()) / double(colour.targets().size());  // of the planes' light
     }

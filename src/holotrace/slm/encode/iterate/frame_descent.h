@@ -76,7 +76,7 @@ class FrameDescent {
   const EncodeParams& params_;
   const Grid grid_;
   const int iterations_, levels_;
-  const size_t frames_, arrays_of_state_;
+  const size_t arrays_of_state_;
   std::unique_ptr<FrameArrays> arrays_;
   Colours colours_;
   std::vector<Turns> turns_;  // of each colour

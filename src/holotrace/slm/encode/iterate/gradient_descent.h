@@ -38,7 +38,7 @@ class Device;
 /// random for each round. Errors of a plane's last turn count for the loss. If targets.draw_views exists, each
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
 /// the iteration's planes. The loss leaves it out. Without planes, each iteration uses its views alone; the loss is their
-/// error, and judgements are those of targets.views. With four or more frames, planes use the samples on one diagonal of the
+/// error, and judgements are those of targets.views. Planes use the samples on one diagonal of the
 /// pixels in one round, and on the other in the next; of smooth targets (is_smooth) a single sample in turn, in the first three
 /// quarters of the iterations.
 ///
@@ -70,7 +70,7 @@ class Device;
 /// number, of several), `loss_first`, `loss_last` (f), and those of judge. Curve:
 /// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
 /// the final levels. Cost for each frame and plane of an iteration: one transform there and one back, and as many more as
-/// samples in a pixel (four; two of four or more frames; one of smooth targets); as much again for
+/// samples in a pixel (two; one of smooth targets); as much again for
 /// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,

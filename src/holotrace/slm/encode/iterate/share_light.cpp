@@ -33,7 +33,7 @@ LightBytes ShareLight::bytes_needed() const {
   const double of_samples = double(bytes_of_samples()), of_means = float_bytes * double(pixels().pixels());
   const double planes =
       double(params.planes_per_update == 0 ? ways_.size() : std::min(ways_.size(), size_t(params.planes_per_update)));
-  const SampleGroup group = samples_of_update(frames_, params.subpixels, 0, false);
+  const SampleGroup group = samples_of_update(params.subpixels, 0, false);
   const double all = double(ways_.front().shifts.size()),
                kept = double(samples_of(group, ways_.front().shifts.size()).size());
   LightBytes bytes;

@@ -1,0 +1,169 @@
+#include "holotrace/slm/encode/frame_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/base/units.h"
+#include "holotrace/slm/encode/blank_hologram.h"
+#include "holotrace/slm/encode/double_phase.h"
+#include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
+#include "holotrace/slm/encode/kinoform.h"
+#include "holotrace/slm/encode/low_pass.h"
+#include "holotrace/slm/encode/target.h"
+
+namespace holotrace {
+namespace {
+
+const TargetPlane& middle_plane(const TargetSet& targets, double wavelength) {
+  std::vector<const TargetPlane*> of_colour;
+  for (const TargetPlane& target : targets.planes)
+    if (target.wavelength == wavelength) of_colour.push_back(&target);
+  require(!of_colour.empty(), "expected target planes at {}, got none", format_length(wavelength));
+  return *of_colour[of_colour.size() / 2];
+}
+
+// A panel divided into as many cells as there are frames, in rows of equal length and as square as they can be.
+struct Cells {
+  int columns, rows;
+};
+
+Cells cells_of(int frames, const Grid& panel) {
+  const double wanted = std::sqrt(frames * panel.width() / panel.height());
+  int columns = 1;
+  for (int n = 2; n <= frames; ++n)
+    if (frames % n == 0 && std::abs(n - wanted) < std::abs(columns - wanted)) columns = n;
+  return {columns, frames / columns};
+}
+
+// The field that shows the middle plane by plane waves, each through the middle of a cell of the panel, and of modulus 1 or
+// less. One in 100 pixels is clipped.
+Field smooth_field(const TargetPlane& target, const FrameOfMany& which, const Slm& slm, const EncodeParams& params) {
+  const Grid& panel = slm.grid;
+  const Cells cells = cells_of(which.frames, panel);
+  const double x = ((which.frame % cells.columns + 0.5) / cells.columns - 0.5) * panel.width();
+  const double y = ((which.frame / cells.columns + 0.5) / cells.rows - 0.5) * panel.height();
+  const double per_metre = which.frames > 1 ? 1 / (target.wavelength * std::abs(target.z)) : 0;
+  Field there(panel, target.wavelength, target.z);
+  parallel_for(0, panel.ny, [&](int64_t j) {
+    for (int i = 0; i < panel.nx; ++i)
+      there.samples(int(j), i) = target.amplitude(int(j), i) *
+                                 std::complex<float>(cis_cycles((x * panel.x(i) + y * panel.y(double(j))) * per_metre));
+  });
+  const TargetPropagation way(slm, target.wavelength, target.z,
+                              {.aperture = PixelAperture::left_out, .stop = stop_width(params)});
+  Field field = way.to_panel({there});
+  field.z = 0;
+  normalise_modulus(1e-2, {}, field);
+  return field;
+}
+
+Field speckle_field(const TargetPlane& target, const FrameOfMany& which, const Slm& slm, EncodeParams params) {
+  params.method = Encoding::phase;
+  params.iterations = 1;
+  params.start = which.frames == 1 ? StartPhase::field : StartPhase::random;
+  params.seed += which.frame;
+  return field_of_target(target, slm, params);
+}
+
+// A wave that converges to an eye, the frame's in turn. Noise makes frames differ, and spreads some of the light over the
+// eyebox and beyond.
+Array2D<std::complex<float>> converging_pattern(const std::vector<Vec3>& eyes, const Field& field,
+                                                const EncodeParams& params, Modulation modulation) {
+  constexpr double noise = 0.35;  // cycles, either way
+  const Vec3 eye = eyes[field.frame % eyes.size()];
+  const double modulus = modulation == Modulation::complex ? 0.5 : 1;
+  Array2D<std::complex<float>> pattern(field.grid.ny, field.grid.nx);
+  parallel_for(0, pattern.ny, [&](int64_t j) {
+    for (int i = 0; i < pattern.nx; ++i) {
+      const Vec3 way = eye - Vec3{field.grid.x(i), field.grid.y(double(j)), 0};
+      CounterRandom random(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i));
+      pattern(int(j), i) = std::complex<float>(
+          modulus * cis_cycles((eye.z - length(way)) / field.wavelength + noise * (2 * random.uniform() - 1)));
+    }
+  });
+  return pattern;
+}
+
+}  // namespace
+
+FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
+                           const EncodeParams& params) {
+  constexpr int coarse = 4;            // levels that show double phases no better than random ones
+  constexpr double least_shift = 0.7;  // of the window's smaller side
+  if (params.start == StartPhase::random) return FrameStart::random;
+  if (!targets.eyes.empty()) return FrameStart::converging;
+  const int levels = params.levels == 0 ? slm.levels : params.levels;
+  if (modulation_of(params, slm) == Modulation::amplitude || levels <= coarse || wavelengths_of(targets).size() != 1 ||
+      targets.draw_views)
+    return FrameStart::speckle;
+  const Grid& panel = slm.grid;
+  const double shift = wavelength * std::abs(middle_plane(targets, wavelength).z) / (2 * panel.pitch);
+  const bool has_room = shift >= least_shift * std::min(panel.width(), panel.height());
+  return frames == 1 || has_room ? FrameStart::smooth : FrameStart::speckle;
+}
+
+double step_from(FrameStart start, int iterations) {
+  if (start == FrameStart::converging) return 0.2;
+  if (start == FrameStart::smooth) return std::min(sgd_step, 0.1 * std::sqrt(iterations / 50.0));
+  return sgd_step;
+}
+
+Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params, Modulation modulation) {
+  Array2D<std::complex<float>> pattern =
+      params.image == ImageSide::real_image ? conjugate(field).samples : field.samples;
+  const bool is_complex = modulation == Modulation::complex;
+  const float largest = is_complex ? float(modulus_moments(field).largest) : 0;
+  const float modulus = is_complex ? 0.5F : 1;
+  parallel_for(0, pattern.ny, [&](int64_t j) {
+    std::complex<float>* u = pattern.row(int(j));
+    if (params.start == StartPhase::random)
+      for (int i = 0; i < pattern.nx; ++i)
+        u[i] =
+            modulus * std::complex<float>(cis_cycles(
+                          CounterRandom(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i)).uniform()));
+    else if (largest > 0)
+      for (int i = 0; i < pattern.nx; ++i) u[i] /= largest;
+    else
+      make_unit_modulus(u, size_t(pattern.nx));
+  });
+  return pattern;
+}
+
+void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram) {
+  if (hologram.modulation == Modulation::complex) {
+    hologram.modulus_level = Array2D<uint16_t>(pattern.ny, pattern.nx);
+    for (size_t i = 0; i < pattern.size(); ++i)
+      hologram.modulus_level.values[i] =
+          uint16_t(std::lround((hologram.levels - 1) * std::min(1.0F, std::abs(pattern.values[i]))));
+  }
+  if (hologram.modulation != Modulation::amplitude) return write_phase_levels(pattern, false, levels, hologram.level);
+  for (size_t i = 0; i < pattern.size(); ++i)
+    hologram.level.values[i] =
+        uint16_t(std::lround((hologram.levels - 1) * std::clamp((1 + pattern.values[i].real()) / 2, 0.0F, 1.0F)));
+}
+
+void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOfMany& which, const Slm& slm,
+                       const EncodeParams& params, const PhaseLevels& levels, Hologram& hologram) {
+  Field field(slm.grid, hologram.wavelength);
+  if (start == FrameStart::smooth) {
+    field = smooth_field(middle_plane(targets, hologram.wavelength), which, slm, params);
+    if (hologram.modulation == Modulation::phase)
+      return write_double_phase_levels(field, false, levels, hologram.level);
+    return write_start(field.samples, levels, hologram);
+  }
+  if (start == FrameStart::speckle)
+    field = speckle_field(middle_plane(targets, hologram.wavelength), which, slm, params);
+  field.frame = uint32_t(which.frame);
+  write_start(start == FrameStart::converging ? converging_pattern(targets.eyes, field, params, hologram.modulation)
+                                              : start_pattern(field, params, hologram.modulation),
+              levels, hologram);
+}
+
+}  // namespace holotrace

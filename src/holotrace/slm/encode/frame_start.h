@@ -1,0 +1,48 @@
+#pragma once
+
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/params/encode.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/target.h"
+#include "holotrace/slm/encode/phase_levels.h"
+
+namespace holotrace {
+
+/// What the frames of a descent start from. docs/explanation/encoders.md compares the starts.
+enum class FrameStart {
+  random,      ///< random phases on the panel, of each frame its own
+  speckle,     ///< the middle plane's picture with random phases there; the panel shows the field's phase
+  smooth,      ///< that picture with the phase of a plane wave, tilted for each frame; as double phases
+  converging,  ///< a wave that converges to an eye, with noise
+};
+
+/// The best start of `frames` frames at a wavelength:
+///
+/// - `converging` if the targets name eyes, `random` if the parameters ask for it, otherwise smooth or speckle;
+/// - `smooth` needs a panel that shows phases in more than 4 levels, targets of one wavelength, and no views: light that should
+///   reach pupils everywhere must spread. Of several frames it also needs room for the second term of double phases, which
+///   stands λ|z|/2p aside in the middle plane, z away: 0.7 of the window's smaller side or more.
+FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
+                           const EncodeParams& params);
+
+/// Step of the phase per iteration that suits a start [rad]: a smooth one is near its goal, and large steps would spoil it.
+double step_from(FrameStart start, int iterations);
+
+/// One of several frames.
+struct FrameOfMany {
+  int frame, frames;
+};
+
+/// Writes the levels that a frame starts from.
+/// @param hologram  a blank one (blank_hologram.h); its levels are set, on a complex panel also its moduli
+void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOfMany& which, const Slm& slm,
+                       const EncodeParams& params, const PhaseLevels& levels, Hologram& hologram);
+
+/// Writes the start of iterations from a field: its phase, or a random one if the parameters say so. On a complex panel the
+/// modulus is that of the field, as a fraction of the largest, or half with a random phase; on a panel of amplitudes
+/// levels show the real part between 0 and 1.
+/// @return the pattern that the levels show
+Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params, Modulation modulation);
+void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram);
+
+}  // namespace holotrace
