@@ -1,5 +1,6 @@
 // holotrace: from 3D scenes to holograms, and to what a viewer sees of them.
 
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
@@ -144,7 +145,8 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
   using namespace holotrace;
   end_on_interrupt();
-  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit on file sizes becomes an Error
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);  // pictures that are no longer needed go back to the system
+  std::signal(SIGXFSZ, SIG_IGN);       // writing beyond the limit on file sizes becomes an Error
   try {
     if (const char* instructions = std::getenv("HOLOTRACE_INSTRUCTIONS"))
       read_flag("HOLOTRACE_INSTRUCTIONS", [&] { force_instruction_set(instructions); });

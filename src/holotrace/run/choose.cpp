@@ -24,8 +24,8 @@ struct Effort {
 
 Effort effort_of(Quality quality) {
   if (quality == Quality::best) return {16, 24, 300, 256};
-  if (quality == Quality::good) return {8, 16, 150, 128};
-  return {4, 10, 50, 64};
+  if (quality == Quality::good) return {8, 16, 100, 128};
+  return {1, 4, 40, 32};
 }
 
 // An eye sees a good picture of one frame; iterations are worth more than frames.

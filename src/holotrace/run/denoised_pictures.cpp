@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "holotrace/data/acceptance.h"
@@ -43,6 +44,29 @@ Observer between(const Observer& observer, double from, double to) {
   if (observer.on_progress)
     part.on_progress = [&observer, from, to](double fraction) { observer.progress(from + (to - from) * fraction); };
   return part;
+}
+
+bool is_grey(const Image& picture) {
+  for (size_t i = 0; i < picture.values.size(); i += 3)
+    if (picture.values[i] != picture.values[i + 1] || picture.values[i] != picture.values[i + 2]) return false;
+  return true;
+}
+
+// Channel 0 of up to three pictures from `first` on, as the channels of one; the last one fills up.
+Image as_channels(const std::vector<Image>& pictures, size_t first) {
+  Image all = pictures[first];
+  for (size_t c = 1; c < 3; ++c) {
+    const Image& from = pictures[std::min(first + c, pictures.size() - 1)];
+    for (size_t i = 0; i < all.values.size(); i += 3) all.values[i + c] = from.values[i];
+  }
+  return all;
+}
+
+Image grey_of_channel(const Image& all, size_t channel) {
+  Image grey = all;
+  for (size_t i = 0; i < all.values.size(); i += 3)
+    std::fill_n(grey.values.begin() + int64_t(i), 3, all.values[i + channel]);
+  return grey;
 }
 
 constexpr double of_tracing = 0.9;  // of a picture's time, about
@@ -91,18 +115,25 @@ void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Ima
   Observer at_end = observer;  // tracing has reported its own progress; a caller may want to stop
   at_end.on_progress = [&](double) { observer.progress(1); };
   size_t done = 0;
-  for (const auto& [pictures, kind] : {std::pair(&planes, "plane"), std::pair(&cells, "view")})
-    for (size_t k = 0; k < pictures->size(); ++k) {
+  // Grey planes show the same things at the same places, so three are denoised as one picture's colours: in a third of the time,
+  // for a few decibels of 50.
+  const bool are_grey = std::all_of(planes.begin(), planes.end(), is_grey);
+  for (const auto& [pictures, kind, together] :
+       {std::tuple(&planes, "plane", size_t(are_grey ? 3 : 1)), std::tuple(&cells, "view", size_t(1))})
+    for (size_t k = 0; k < pictures->size(); k += together) {
       observer.status(fmt::format("denoising {} {} of {}", kind, k + 1, pictures->size()));
-      Image& picture = (*pictures)[k];
-      Image denoised = denoise(picture, {}, DenoiseQuality::fast, at_end);
-      const double psnr = k == 0 ? amplitude_psnr(picture, denoised) : 0;
-      if (choice == Denoise::automatic && psnr > clean_enough) {
+      const Image noisy = together == 1 ? std::move((*pictures)[k]) : as_channels(*pictures, k);
+      const Image denoised = denoise(noisy, {}, DenoiseQuality::fast, at_end);
+      const double psnr = k == 0 ? amplitude_psnr(noisy, denoised) : 0;
+      const bool is_clean = choice == Denoise::automatic && psnr > clean_enough;
+      if (together == 1) (*pictures)[k] = is_clean ? noisy : denoised;
+      if (is_clean) {
         observer.fact("why_not_denoised", fmt::format("the light paths alone have a PSNR of {:.1f} dB", psnr));
         break;
       }
-      picture = std::move(denoised);
-      ++done;
+      for (size_t c = 0; together > 1 && c < together && k + c < pictures->size(); ++c)
+        (*pictures)[k + c] = grey_of_channel(denoised, c);
+      done += std::min(together, pictures->size() - k);
     }
   observer.status("");
   observer.fact("denoised", done);

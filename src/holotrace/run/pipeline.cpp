@@ -284,9 +284,11 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   check_memory(job, wavelengths.size());
 
   std::vector<Hologram> frames;
-  if (targets) frames = frames_of_scene(job, *targets, b.report, watch, checkpoint_of);
+  const bool aims = targets.has_value();
+  if (aims) frames = frames_of_scene(job, *targets, b.report, watch, checkpoint_of);
+  targets.reset();  // views need its memory
   Showing showing(job, wavelengths, b, watch);
-  if (targets)
+  if (aims)
     for (Hologram& frame : frames) showing.add(std::move(frame));
   else
     show_fields(job, light, b, showing);
@@ -315,7 +317,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
       report_lit_render(references[d].image, o);
       // Without a pupil the render is the target picture, whose peak the metrics refer to.
-      if (targets && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
+      if (aims && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
         o.fact("psnr_of_target_db", compare(references[d].image, view).psnr);
     });
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
