@@ -69,9 +69,9 @@ TEST(Quality, TheFieldOfAPictureComesFromBehindThePanel) {
 
 TEST(Quality, DescentIsTheBestOfPhasePanels) {
   EncodeParams descent{.method = Encoding::sgd};
-  descent.iterations = 60;
+  descent.iterations = 100;
   const double integrated = psnr_of(panel(), descent);
-  EXPECT_GT(integrated, 34);  // 35.5 measured; 26.4 and 24.2 for the others
+  EXPECT_GT(integrated, 34);  // 36.0 measured; 26.4 and 24.2 for the others
   for (const Encoding method : {Encoding::gerchberg_saxton, Encoding::double_phase})
     EXPECT_GT(integrated, psnr_of(panel(), {.method = method}) + 6);  // a quarter of their error
 }

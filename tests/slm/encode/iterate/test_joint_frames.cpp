@@ -121,7 +121,7 @@ TEST(JointFrames, CompareWindowsOfAllSamplesToEndEarly) {
     return std::get<int64_t>(heard.facts.at("iterations"));
   };
   EXPECT_EQ(iterations(4), 3 * 12);
-  EXPECT_EQ(iterations(1), 3 * 10);
+  EXPECT_EQ(iterations(1), 3 * 12);
 }
 
 TEST(JointFrames, ShowPlanesBetweenTheTargets) {
