@@ -13,6 +13,7 @@
 #include "holotrace/data/params/changed.h"
 #include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/run/scene_targets.h"
+#include "holotrace/run/target_planes.h"
 #include "holotrace/view/camera.h"
 
 namespace holotrace {
@@ -183,7 +184,7 @@ class Chooser {
     if (aims && can_denoise(job_)) effort.paths /= denoised_gain;
     const std::string why =
         aims ? fmt::format("quality {}", name_of(encode.quality, quality_names)) : "one hologram of waves";
-    if (job_.trace.frames == 0) set("trace.frames", job_.trace.frames, effort.frames, why);
+    if (job_.trace.frames == 0) choose_frames(effort.frames, why);
     if (job_.render.paths == 0) set("render.paths", job_.render.paths, effort.paths, aims ? why : "the default");
     if (!aims) return;
     if (encode.planes == 0 && encode.target_distances.empty()) set("encode.planes", encode.planes, effort.planes, why);
@@ -191,6 +192,19 @@ class Chooser {
     if (encode.device.kind == DeviceKind::cpu && job_.synthesize.device.kind != DeviceKind::cpu)
       set("encode.device", encode.device, job_.synthesize.device, device_text(job_.synthesize.device),
           "the device of [synthesize]");
+  }
+
+  // A single frame has the depth of a shallow scene only.
+  void choose_frames(int frames, const std::string& why) {
+    constexpr double shallow = 40;  // depths of focus
+    constexpr int fewest_of_deep = 4;
+    const bool counts_depth = aims_at_scene(job_) && !aims_at_eyes(job_) && frames < fewest_of_deep;
+    const double depth = counts_depth ? depth_of_scene(job_) : 0;
+    if (depth > shallow)
+      set("trace.frames", job_.trace.frames, fewest_of_deep,
+          fmt::format("{}, and the scene is {:.0f} depths of focus deep", why, depth));
+    else
+      set("trace.frames", job_.trace.frames, frames, why);
   }
 
   void choose_render() {

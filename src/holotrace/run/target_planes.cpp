@@ -55,6 +55,10 @@ std::vector<DepthSpan> merged(std::vector<DepthSpan> spans) {
   return out;
 }
 
+std::vector<DepthRange> ranges_of(const Job& job) {
+  return depth_ranges(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone));
+}
+
 }  // namespace
 
 Aperture aperture_of(const Job& job) {
@@ -68,10 +72,16 @@ double depth_of_focus_of(const Job& job) {
   return 2 * view_wavelength(job.wavelengths, job.trace.has_common_cone) / (side * side);
 }
 
+double depth_of_scene(const Job& job) {
+  double depth = 0;
+  for (const auto& [nearest, farthest] : ranges_of(job))
+    depth += 1 / (nearest + aperture_of(job).z) - 1 / (farthest + aperture_of(job).z);
+  return depth / depth_of_focus_of(job);
+}
+
 std::vector<double> target_distances_of(const Job& job) {
   if (!job.encode.target_distances.empty()) return job.encode.target_distances;
-  const std::vector<DepthRange> ranges =
-      depth_ranges(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone));
+  const std::vector<DepthRange> ranges = ranges_of(job);
   require(
       !ranges.empty(),
       "expected something in the panel's window, {} wide, for target planes, found nothing; move the scene, or give "

@@ -17,6 +17,9 @@ Aperture aperture_of(const Job& job);
 /// Depth of focus as a step of the reciprocal distance from the aperture [1/m]: 2λ/w². Around the distance s it is 2λs²/w².
 double depth_of_focus_of(const Job& job);
 
+/// The depths of what the panel's window shows, added up, in depths of focus; 0 if nothing is there.
+double depth_of_scene(const Job& job);
+
 /// Distances of the target planes: those of the job or, if it names none, planes through the depths of the scene's surfaces
 /// and of what mirrors and glass show (depth_ranges), evenly spaced in the reciprocal distance and at most one depth of focus
 /// apart, but no more than `encode.planes`; the planes that the camera looks at come in addition. Light for all that look has

@@ -25,8 +25,9 @@ enum class FrameStart {
 FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                            const EncodeParams& params);
 
-/// Step of the phase per iteration that suits a start [rad]: a smooth one is near its goal, and large steps would spoil it.
-double step_from(FrameStart start, int iterations);
+/// Step of the phase per iteration that suits a start [rad]. A smooth start of a shallow scene is near its goal, and large steps
+/// would spoil it; what planes show that lie many depths of focus 2λz²/w² apart must still be found.
+double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations);
 
 /// One of several frames.
 struct FrameOfMany {
