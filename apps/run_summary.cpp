@@ -33,6 +33,25 @@ std::optional<double> number_of(const StageReport& stage, const char* name) {
   return std::nullopt;
 }
 
+const std::vector<double>* curve_of(const StageReport& stage, const char* name) {
+  for (const auto& [curve, values] : stage.curves)
+    if (curve == name) return &values;
+  return nullptr;
+}
+
+// Where the light of holograms for eyes goes.
+void print_light_of_eyes(const StageReport& stage) {
+  const auto *in_box = curve_of(stage, "light_in_eyebox"), *in_pupil = curve_of(stage, "light_in_pupil"),
+             *beside = curve_of(stage, "light_beside_eyebox");
+  if (!in_box || !in_pupil || !beside) return;
+  for (size_t i = 0; i < in_box->size(); ++i)
+    fmt::print(
+        "    {}{:.0f} % of the panel's light reaches the eyebox, {:.0f} % a pupil in its middle; a pupil beside the box gets "
+        "{:.1f} %, and no picture\n",
+        in_box->size() > 1 ? fmt::format("eye {}: ", i + 1) : "", 100 * (*in_box)[i], 100 * (*in_pupil)[i],
+        100 * (*beside)[i]);
+}
+
 }  // namespace
 
 void print_summary(const Report& report, const std::string& folder, const FileRecord& files) {
@@ -46,6 +65,7 @@ void print_summary(const Report& report, const std::string& folder, const FileRe
       if (const auto number = number_of(stage, figure.fact))
         texts.push_back(fmt::format(fmt::runtime(figure.text), *number));
     fmt::print("{:<28} {:>9.2f} s  {}\n", stage.stage, stage.seconds, fmt::join(texts, ", "));
+    print_light_of_eyes(stage);
     total += stage.seconds;
   }
   fmt::print("{:<28} {:>9.2f} s\n", "all stages", total);

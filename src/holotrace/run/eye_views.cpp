@@ -8,6 +8,9 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/target_planes.h"
+#include "holotrace/slm/encode/iterate/descent_arrays.h"
+#include "holotrace/slm/encode/iterate/driven_panel.h"
+#include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/view/combine_views.h"
@@ -166,6 +169,38 @@ ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vec
 
 ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength) {
   return view_from(eye, job, distance, wavelength, eye.eye);
+}
+
+EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames) {
+  const double wavelength = frames.front().wavelength, diameter = pupil_of(job.encode);
+  EncodeParams order = job.encode;
+  order.subpixels = 1;
+  Eyebox lit = eyebox_of(job.encode);
+  lit.width += diameter;
+  lit.height += diameter;
+  const double aside = (lit.width + diameter) / 2;  // of the middle of a pupil that touches the lit area
+  const double across = aside + diameter / 2, down = lit.height / 2;
+  const Grid window = pupil_window_grid(job.slm.grid, {{eye.x - across, eye.y - down}, {eye.x + across, eye.y + down}});
+  const DrivenPanel panel(with_effects(job.slm, job.encode.effects), frames.front(), wavelength, 1);
+  const PupilPropagation way(job.slm, wavelength, window, eye.z, optics_of(panel, order));
+  EyeboxLight light;
+  double all = 0;
+  for (const Hologram& frame : frames) {
+    Field u(job.slm.grid, wavelength);
+    panel.leave(drive_of(frame), u, {});
+    all += double(u.grid.pixels());
+    const Field there = way.to_eye(u);
+    for (int j = 0; j < window.ny; ++j)
+      for (int i = 0; i < window.nx; ++i) {
+        const double x = window.x(i) - eye.x, y = window.y(double(j)) - eye.y;
+        const double power = std::norm(there.samples(j, i));
+        if (lit.part_of_way_out(x, y) <= 1) light.in_box += power;
+        if (std::hypot(x, y) <= diameter / 2) light.in_pupil += power;
+        if (std::hypot(std::abs(x) - aside, y) <= diameter / 2) light.beside += power / 2;
+      }
+  }
+  for (double* part : {&light.in_box, &light.in_pupil, &light.beside}) *part /= all;
+  return light;
 }
 
 }  // namespace holotrace

@@ -4,6 +4,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/base/vec.h"
+#include "holotrace/data/hologram.h"
 #include "holotrace/data/job.h"
 #include "holotrace/data/light_field.h"
 #include "holotrace/data/pupil.h"
@@ -50,5 +51,13 @@ ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const
 ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vector<double>& distances, int update,
                              double wavelength);
 ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength);
+
+/// Where the light of holograms goes about an eye: fractions of the panel's light, in the mean of the frames.
+struct EyeboxLight {
+  double in_box = 0;    ///< enters pupils in the eyebox: it falls within half a pupil of the places of their middles
+  double in_pupil = 0;  ///< enters a pupil in the middle
+  double beside = 0;    ///< enters a pupil whose edge touches that area from outside, in the mean of left and right
+};
+EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames);
 
 }  // namespace holotrace

@@ -12,6 +12,7 @@
 #include "holotrace/run/choose.h"
 #include "holotrace/run/common_exposure.h"
 #include "holotrace/run/denoised_pictures.h"
+#include "holotrace/run/eye_views.h"
 #include "holotrace/run/lit_part.h"
 #include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
@@ -156,6 +157,19 @@ void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& sho
   }
 }
 
+void report_light_of_eyes(const Job& job, const std::vector<Hologram>& frames, const Observer& observer) {
+  std::vector<double> in_box, in_pupil, beside;
+  for (const Vec3& eye : eyes_of(job.encode)) {
+    const EyeboxLight light = light_of_eyebox(job, eye, frames);
+    in_box.push_back(light.in_box);
+    in_pupil.push_back(light.in_pupil);
+    beside.push_back(light.beside);
+  }
+  observer.curve("light_in_eyebox", in_box);
+  observer.curve("light_in_pupil", in_pupil);
+  observer.curve("light_beside_eyebox", beside);
+}
+
 // The frames of all wavelengths, found together from the path-traced light: sets of frames for each wavelength, or one set
 // for all of them.
 std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& targets, Report& report,
@@ -167,8 +181,11 @@ std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& target
   for (const std::vector<double>& set : sets) {
     const std::string stage = sets.size() == 1 ? "encode" : "encode " + format_length(set.front());
     of_colours.push_back(run_stage(stage, report, watch, [&](const Observer& o) {
-      return encode_frames(targets_of(targets, job, set), set.front(), job.trace.frames, job.slm, job.encode, o,
-                           checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
+      std::vector<Hologram> frames =
+          encode_frames(targets_of(targets, job, set), set.front(), job.trace.frames, job.slm, job.encode, o,
+                        checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
+      if (aims_at_eyes(job)) report_light_of_eyes(job, frames, o);
+      return frames;
     }));
   }
   std::vector<Hologram> frames;

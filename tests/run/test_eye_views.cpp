@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "holotrace/run/eye_views.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+// A panel of 2.0 × 1.5 mm whose light converges to a point 100 mm before it.
+Hologram lens_to(const Slm& slm, const Vec3& point) {
+  Hologram hologram = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+  for (int j = 0; j < slm.grid.ny; ++j)
+    for (int i = 0; i < slm.grid.nx; ++i) {
+      const double way = length(point - Vec3{slm.grid.x(i), slm.grid.y(double(j)), 0});
+      const double turns = (point.z - way) / test_wavelength;
+      hologram.level(j, i) = uint16_t(int(std::lround(256 * (turns - std::floor(turns)))) % 256);
+    }
+  return hologram;
+}
+
+// A lens of 256 levels gathers the light of order 0 in a spot of λz/w = 0.03 mm, but for the part sinc²(p·u)·sinc²(p·v) that
+// its pixels' aperture takes: u = x/λz at the pixel's place x − x₀.
+double light_of_order(const Slm& slm, const Vec3& point) {
+  double sum = 0;
+  for (int j = 0; j < slm.grid.ny; ++j)
+    for (int i = 0; i < slm.grid.nx; ++i) {
+      const double u = (point.x - slm.grid.x(i)) / (test_wavelength * point.z);
+      const double v = (point.y - slm.grid.y(double(j))) / (test_wavelength * point.z);
+      sum += std::pow(sinc(test_pitch * u) * sinc(test_pitch * v), 2);
+    }
+  return sum / double(slm.grid.pixels());
+}
+
+TEST(EyeboxLight, IsWhereALensSendsIt) {
+  Job job;
+  job.slm = make_panel(256, 192);
+  job.wavelengths = {test_wavelength};
+  job.encode.method = Encoding::sgd;
+  job.encode.eye = {0.2e-3, 0.1e-3, 0.1};
+  job.encode.pupil = 1e-3;
+  job.encode.eyebox = {"0.6 mm"};
+  const Vec3 eye{0.2e-3, 0.1e-3, 0.1};
+  const auto light = [&](double x, double y) {
+    const Vec3 point = eye + Vec3{x, y, 0};
+    const EyeboxLight found = light_of_eyebox(job, eye, {lens_to(job.slm, point)});
+    const double all = light_of_order(job.slm, point);
+    return std::vector<double>{found.in_box / all, found.in_pupil / all, found.beside / all};
+  };
+  // The spot's tails beyond 0.5 mm hold 4/π²·0.03/1 = 1 % of its light for each axis.
+  const auto expect = [&](double x, double y, double in_box, double in_pupil, double beside) {
+    const std::vector<double> found = light(x, y);
+    EXPECT_NEAR(found[0], in_box, 0.04) << x << " " << y;
+    EXPECT_NEAR(found[1], in_pupil, 0.04) << x << " " << y;
+    EXPECT_NEAR(found[2], beside, 0.04) << x << " " << y;
+  };
+  expect(0, 0, 1, 1, 0);
+  expect(0, 0.65e-3, 1, 0, 0);  // in the box of 0.6 mm and half a pupil around it: 0.8 mm from the middle
+  expect(0.3e-3, 0, 1, 1, 0);
+  expect(1.3e-3, 0, 0, 0, 0.5);  // a pupil at 0.8 + 0.5 mm, right or left
+  expect(-1.3e-3, 0.2e-3, 0, 0, 0.5);
+  expect(0, -1.0e-3, 0, 0, 0);
+}
+
+}  // namespace
+}  // namespace holotrace

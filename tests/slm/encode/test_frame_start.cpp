@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "holotrace/slm/encode/blank_hologram.h"
+#include "holotrace/slm/encode/frame_start.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "support/panels.h"
+
+namespace holotrace {
+namespace {
+
+constexpr double lens = 0.02;  // distance of the plane: λz/2p is 0.67 mm, the panel 0.77 mm × 0.51 mm
+
+TargetSet one_plane(const Slm& slm, double z) {
+  TargetPlane plane{z, test_wavelength, Array2D<float>(slm.grid.ny, slm.grid.nx), {}};
+  for (int j = 16; j < 48; ++j)
+    for (int i = 24; i < 72; ++i) plane.amplitude(j, i) = float(0.6 + 0.4 * std::sin(i / 6.0) * std::cos(j / 5.0));
+  return {{plane}};
+}
+
+EncodeParams descent() {
+  EncodeParams params;
+  params.method = Encoding::sgd;
+  return params;
+}
+
+FrameStart start_with(const TargetSet& targets, int frames, const Slm& slm, const EncodeParams& params) {
+  return start_of_frames(targets, test_wavelength, frames, slm, params);
+}
+
+TEST(FrameStart, IsSmoothWhereDoublePhasesHaveRoom) {
+  const Slm slm = make_panel(96, 64);
+  const EncodeParams params = descent();
+  EXPECT_EQ(start_with(one_plane(slm, -lens), 4, slm, params), FrameStart::smooth);
+  EXPECT_EQ(start_with(one_plane(slm, lens), 4, slm, params), FrameStart::smooth);
+  // 0.7 of 0.512 mm, at 10.78 mm.
+  EXPECT_EQ(start_with(one_plane(slm, -0.0109), 4, slm, params), FrameStart::smooth);
+  EXPECT_EQ(start_with(one_plane(slm, -0.0107), 4, slm, params), FrameStart::speckle);
+  EXPECT_EQ(start_with(one_plane(slm, -0.001), 1, slm, params), FrameStart::smooth);
+}
+
+TEST(FrameStart, DependsOnPanelTargetsAndParameters) {
+  const Slm slm = make_panel(96, 64);
+  const TargetSet targets = one_plane(slm, -lens);
+  EncodeParams params = descent();
+  params.levels = 4;
+  EXPECT_EQ(start_with(targets, 1, slm, params), FrameStart::speckle);
+  params.levels = 5;
+  EXPECT_EQ(start_with(targets, 1, slm, params), FrameStart::smooth);
+  params.start = StartPhase::random;
+  EXPECT_EQ(start_with(targets, 1, slm, params), FrameStart::random);
+  Slm amplitudes = slm;
+  amplitudes.modulation = Modulation::amplitude;
+  EXPECT_EQ(start_with(targets, 1, amplitudes, descent()), FrameStart::speckle);
+  TargetSet colours = targets;
+  colours.planes.push_back(colours.planes.front());
+  colours.planes.back().wavelength = 633e-9;
+  EXPECT_EQ(start_with(colours, 1, slm, descent()), FrameStart::speckle);
+  TargetSet everywhere = targets;
+  everywhere.draw_views = [](int, double) { return ViewTargets{}; };
+  EXPECT_EQ(start_with(everywhere, 1, slm, descent()), FrameStart::speckle);
+  everywhere.eyes = {{0, 0, 0.25}};
+  EXPECT_EQ(start_with(everywhere, 1, slm, descent()), FrameStart::converging);
+}
+
+// Two planes whose reciprocal distances differ by Δ are Δ·w²/2λ depths of focus apart: 0.5543 for 1/m and w = 0.768 mm.
+TEST(FrameStart, StepGrowsWithDepthAndIterations) {
+  const Slm slm = make_panel(96, 64);
+  TargetSet targets = one_plane(slm, -lens);
+  const auto step = [&](FrameStart start, int iterations) { return step_from(start, targets, slm.grid, iterations); };
+  EXPECT_NEAR(step(FrameStart::smooth, 50), 0.1, 1e-12);
+  EXPECT_NEAR(step(FrameStart::smooth, 200), 0.2, 1e-12);
+  EXPECT_EQ(step(FrameStart::smooth, 2000), sgd_step);
+  EXPECT_EQ(step(FrameStart::random, 50), sgd_step);
+  EXPECT_EQ(step(FrameStart::speckle, 50), sgd_step);
+  EXPECT_EQ(step(FrameStart::converging, 50), 0.2);
+  targets.planes.push_back(targets.planes.front());
+  targets.planes.back().z = -1 / (1 / lens + 64.94);  // 36 depths of focus in front: one and a half times shallow ones
+  EXPECT_NEAR(step(FrameStart::smooth, 50), 0.15, 1e-4);
+}
+
+// The light of a frame's start, in the plane.
+Field shown(const Slm& slm, const TargetSet& targets, const FrameOfMany& which, const EncodeParams& params) {
+  Hologram hologram = blank_hologram(Field(slm.grid, test_wavelength), slm, params, {});
+  write_frame_start(FrameStart::smooth, targets, which, slm, params, PhaseLevels(slm, 256, test_wavelength), hologram);
+  Field field(slm.grid, test_wavelength);
+  for (size_t i = 0; i < field.samples.size(); ++i)
+    field.samples.values[i] = std::polar(1.0F, float(2 * pi * hologram.level.values[i] / 256));
+  return propagate(field, targets.planes.front().z);
+}
+
+// Correlation of moduli with the target's, in its lit part: 1 for a picture of the same shape.
+double likeness(const Field& light, const TargetPlane& target) {
+  double cross = 0, of_light = 0, of_target = 0;
+  for (size_t i = 0; i < light.samples.size(); ++i) {
+    const double a = target.amplitude.values[i], b = std::abs(light.samples.values[i]);
+    if (a == 0) continue;
+    cross += a * b;
+    of_light += b * b;
+    of_target += a * a;
+  }
+  return cross / std::sqrt(of_light * of_target);
+}
+
+// Without iterations, the middle plane has the picture already, on both sides of the panel. Random phases have √(π/4) = 0.89.
+TEST(FrameStart, SmoothOnesShowThePicture) {
+  const Slm slm = make_panel(96, 64);
+  for (const double z : {-lens, lens}) {
+    EncodeParams params = descent();
+    params.image = z > 0 ? ImageSide::real_image : ImageSide::virtual_image;
+    const TargetSet targets = one_plane(slm, z);
+    EXPECT_GT(likeness(shown(slm, targets, {0, 1}, params), targets.planes.front()), 0.98) << z;
+  }
+}
+
+// Eight frames go through the middles of 4 × 2 cells of a panel of 96 × 64 pixels: (±0.125, ±0.375)·w and ±0.25·h. The light in
+// the plane then has the frequencies of its middle's way to these places, X/λz.
+TEST(FrameStart, FramesDifferByTheirTilt) {
+  const Slm slm = make_panel(96, 64);
+  const TargetSet targets = one_plane(slm, -lens);
+  const Grid& g = slm.grid;
+  for (int frame = 0; frame < 8; ++frame) {
+    const Field light = shown(slm, targets, {frame, 8}, descent());
+    std::complex<double> right = 0, up = 0;  // of neighbours in the lit part
+    for (int j = 20; j < 44; ++j)
+      for (int i = 28; i < 68; ++i) {
+        right += std::complex<double>(light.samples(j, i + 1)) * std::conj(std::complex<double>(light.samples(j, i)));
+        up += std::complex<double>(light.samples(j, i)) * std::conj(std::complex<double>(light.samples(j + 1, i)));
+      }
+    const double per_pixel = 2 * pi * test_pitch / (test_wavelength * lens);
+    EXPECT_NEAR(std::arg(right), per_pixel * (frame % 4 - 1.5) / 4 * g.width(), 0.15) << frame;
+    EXPECT_NEAR(std::arg(up), per_pixel * (frame / 4 - 0.5) / 2 * g.height(), 0.15) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace holotrace
