@@ -79,8 +79,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 ///
 /// @param targets     target planes, and views through pupils
 /// @param wavelength  wavelength of the holograms [m]
-/// @param frames      number of frames, 1 or more. Several start from random phases, each from its own. One frame starts
-///                    as params.start says; its own phase is 0 in the middle plane, which leaves little speckle
+/// @param frames      number of frames, 1 or more; frame_start.h says what they start from
 /// @param links       to other processes that take frames (gradient_descent.h)
 /// @return            one hologram per frame, all with one illumination
 /// @throws Error      as encode_targets does, and unless the method is sgd
