@@ -69,8 +69,7 @@ inline Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const P
     size_t planes = 0;
     for (const TargetPlane& target : set.planes)
       if (target.wavelength == test_wavelength) light->add(target), ++planes;
-    const SampleGroup group =
-        samples_of_update(one.params.subpixels, 1, detail.light == PixelDetail::coarse);
+    const SampleGroup group = samples_of_update(one.params.subpixels, 1, detail.light == PixelDetail::coarse);
     arrays.clear_slopes();
     light->leave(detail);
     for (size_t k = 0; k < planes; ++k)

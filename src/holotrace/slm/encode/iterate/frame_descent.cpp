@@ -85,8 +85,7 @@ void FrameDescent::update() {
     double weight = 1;
     if (!colour.targets().empty()) {
       const bool takes_one = has_single_samples_ && !is_late(updates());
-      colour.add_planes(planes, samples_of_update(params_.subpixels, turns_[c].round(), takes_one),
-                        part(colour));
+      colour.add_planes(planes, samples_of_update(params_.subpixels, turns_[c].round(), takes_one), part(colour));
       weight = view_weight * double(planes.size()) / double(colour.targets().size());  // of the planes' light
     }
     if (targets_.draw_views) colour.add_views(targets_.draw_views(updates(), colour.wavelength()), weight / lit_);
