@@ -140,8 +140,8 @@ BenchRow bench_descent_on_device(const BenchOptions& options) {
   const TargetSet targets{targets_of(timed_field(slm.grid), params)};
   FrameDescent descent(targets, {slm, params}, start,
                        std::make_unique<DeviceFrames>(std::vector{&device}, slm, params, start));
-  // There and back: a transform that all samples share, and one for each of four samples, or of two for many frames.
-  const double bytes = frames * (frames < 4 ? 5.0 : 3.0) * moved_bytes(device, slm.grid);
+  // There and back: a transform that all samples share, and one for each of two samples.
+  const double bytes = frames * 3.0 * moved_bytes(device, slm.grid);
   return time_on_device(options,
                         {"sgd", fmt::format("{}x{}, {} frame(s), one update", slm.grid.nx, slm.grid.ny, frames), bytes,
                          [&] { descent.update(); }});

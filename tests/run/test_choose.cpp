@@ -41,6 +41,32 @@ TEST(Choose, AJobThatGivesNothingGetsTheOptimisedPicture) {
   EXPECT_TRUE(job.warnings.empty());
 }
 
+// What a single frame cannot show well takes several. The scene is empty, so it has no depth.
+TEST(Choose, DraftsOfOneFrameNeedASmoothStart) {
+  const auto frames = [](const std::function<void(Job&)>& change, Goal goal = Goal::picture) {
+    Job job = empty_job();
+    change(job);
+    return choose_missing(job, goal).trace.frames;
+  };
+  EXPECT_EQ(frames([](Job&) {}), 1);
+  EXPECT_EQ(frames([](Job& job) { job.encode.levels = 4; }), 4);
+  EXPECT_EQ(frames([](Job& job) { job.encode.levels = 5; }), 1);
+  EXPECT_EQ(frames([](Job& job) { job.encode.target = EncodeTarget::light_field; }), 4);
+  EXPECT_EQ(frames([](Job& job) { job.encode.start = StartPhase::random; }), 4);
+  EXPECT_EQ(frames([](Job& job) {
+              job.encode.eye = {0, 0, 0.25};
+              job.encode.eyebox = {"all"};
+            }),
+            4);
+  EXPECT_EQ(frames([](Job& job) { job.encode.eye = {0, 0, 0.25}; }), 1);
+  EXPECT_EQ(frames([](Job& job) {
+              job.wavelengths = {638e-9, 532e-9};
+              job.encode.is_joint = true;
+            }),
+            4);
+  EXPECT_EQ(frames([](Job&) {}, Goal::waves), 1);
+}
+
 TEST(Choose, MoreQualityIsMoreOfEverything) {
   const auto effort = [](Quality quality) {
     Job job = empty_job();

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
@@ -11,7 +12,8 @@
 namespace holotrace {
 
 /// The loss of gradient_descent.h put together target by target and without rounding to levels: the sum over all targets
-/// of Σw(s·A − a)², not divided by their power; s is the best scale of each target by itself.
+/// of Σw(s·A − a)², not divided by their power; s is the best scale of each target by itself. A is that at the samples of one
+/// diagonal of each pixel or, with several subpixels, at all of them.
 struct Descent {
   std::vector<TargetPlane> targets;  ///< each with its own wavelength
   Slm slm;
@@ -31,26 +33,22 @@ struct Descent {
                                    .samples = n == 1 ? PixelSamples::four : PixelSamples::middle,
                                    .subpixels = n,
                                    .stop = stop_width(params)});
+      const SampleGroup group = n == 1 ? SampleGroup::falling : SampleGroup::all;
+      const double part = part_of_light(group) / double(drives.size());
       std::vector<Field> u(drives.size(), Field({nx * n, ny * n, slm.grid.pitch / n}, target.wavelength));
       std::vector<std::vector<Field>> shown;
       Array2D<float> light(ny, nx);
-      SamplePower of_sample;
-      of_sample.fill(light);
       for (size_t m = 0; m < drives.size(); ++m) {
         panel.leave(drives[m], u[m], detail);
-        shown.push_back(way.to_plane(u[m]));
-        for (size_t i = 0; i < shown[m].size(); ++i)
-          add_power(shown[m][i], 1 / double(drives.size()), n == 1 ? of_sample[i] : light);
+        shown.push_back(way.to_plane(u[m], group));
+        for (const Field& samples : shown[m]) add_power(samples, part, light);
       }
-      if (n == 1) light = pixel_means(of_sample);
       const ModulusSums sums = fit_sums(target, light);
       const double s = sums.cross / sums.square;
       sum += s * s * leave_residual(target, 1 / s, light);
-      of_sample = spread_to_samples(light);
       for (size_t m = 0; slopes && m < drives.size(); ++m) {
-        for (size_t i = 0; i < shown[m].size(); ++i) multiply(n == 1 ? of_sample[i] : light, shown[m][i]);
-        panel.add_slope(drives[m], u[m], way.to_panel(shown[m]), -2 * s * s / double(drives.size()), (*slopes)[m],
-                        detail);
+        for (Field& samples : shown[m]) multiply(light, samples);
+        panel.add_slope(drives[m], u[m], way.to_panel(shown[m], group), -2 * s * s * part, (*slopes)[m], detail);
       }
     }
     return sum;

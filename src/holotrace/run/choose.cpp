@@ -14,6 +14,7 @@
 #include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/target_planes.h"
+#include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/view/camera.h"
 
 namespace holotrace {
@@ -111,10 +112,10 @@ Vec2 half_tangents_of_views(const Job& job) {
 /// A job that gets what it does not give.
 class Chooser {
  public:
-  explicit Chooser(Job job) : job_(std::move(job)) {}
+  Chooser(Job job, Goal goal) : job_(std::move(job)), goal_(goal) {}
 
-  Job choose(Goal goal) && {
-    if (goal == Goal::waves)
+  Job choose() && {
+    if (goal_ == Goal::waves)
       choose_waves("the command makes waves");
     else
       choose_method();
@@ -194,17 +195,30 @@ class Chooser {
           "the device of [synthesize]");
   }
 
-  // A single frame has the depth of a shallow scene only.
-  void choose_frames(int frames, const std::string& why) {
+  // Why a single frame would show the scene badly; empty if it does not: it has the depth of a shallow scene only, and speckle
+  // without a smooth start (frame_start.h).
+  std::string reason_for_several() const {
     constexpr double shallow = 40;  // depths of focus
-    constexpr int fewest_of_deep = 4;
-    const bool counts_depth = aims_at_scene(job_) && !aims_at_eyes(job_) && frames < fewest_of_deep;
-    const double depth = counts_depth ? depth_of_scene(job_) : 0;
-    if (depth > shallow)
-      set("trace.frames", job_.trace.frames, fewest_of_deep,
-          fmt::format("{}, and the scene is {:.0f} depths of focus deep", why, depth));
-    else
-      set("trace.frames", job_.trace.frames, frames, why);
+    constexpr int coarse = 4;
+    const EncodeParams& encode = job_.encode;
+    if (encode.target == EncodeTarget::light_field || (!encode.eye.empty() && eyebox_of(encode).is_all))
+      return "the light goes everywhere";
+    if (encode.is_joint && job_.wavelengths.size() > 1) return "each has all colours";
+    const Modulation modulation = modulation_of(encode, job_.slm);
+    const int levels = encode.levels == 0 ? job_.slm.levels : encode.levels;
+    if (modulation == Modulation::amplitude || (modulation == Modulation::phase && levels <= coarse))
+      return "the panel has no fine phases";
+    if (encode.start == StartPhase::random) return "their phases are random";
+    const double depth = job_.wavelengths.empty() ? 0 : depth_of_scene(job_);
+    return depth > shallow ? fmt::format("the scene is {:.0f} depths of focus deep", depth) : "";
+  }
+
+  void choose_frames(int frames, const std::string& why) {
+    constexpr int several = 4;
+    const bool may_be_few = goal_ == Goal::picture && aims_at_scene(job_) && !aims_at_eyes(job_) && frames < several;
+    const std::string reason = may_be_few ? reason_for_several() : "";
+    set("trace.frames", job_.trace.frames, reason.empty() ? frames : several,
+        reason.empty() ? why : why + ", and " + reason);
   }
 
   void choose_render() {
@@ -245,10 +259,11 @@ class Chooser {
   }
 
   Job job_;
+  Goal goal_;
 };
 
 }  // namespace
 
-Job choose_missing(Job job, Goal goal) { return Chooser(std::move(job)).choose(goal); }
+Job choose_missing(Job job, Goal goal) { return Chooser(std::move(job), goal).choose(); }
 
 }  // namespace holotrace

@@ -122,11 +122,11 @@ void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Ima
        {std::tuple(&planes, "plane", size_t(are_grey ? 3 : 1)), std::tuple(&cells, "view", size_t(1))})
     for (size_t k = 0; k < pictures->size(); k += together) {
       observer.status(fmt::format("denoising {} {} of {}", kind, k + 1, pictures->size()));
-      const Image noisy = together == 1 ? std::move((*pictures)[k]) : as_channels(*pictures, k);
-      const Image denoised = denoise(noisy, {}, DenoiseQuality::fast, at_end);
+      Image noisy = together == 1 ? std::move((*pictures)[k]) : as_channels(*pictures, k);
+      Image denoised = denoise(noisy, {}, DenoiseQuality::fast, at_end);
       const double psnr = k == 0 ? amplitude_psnr(noisy, denoised) : 0;
       const bool is_clean = choice == Denoise::automatic && psnr > clean_enough;
-      if (together == 1) (*pictures)[k] = is_clean ? noisy : denoised;
+      if (together == 1) (*pictures)[k] = std::move(is_clean ? noisy : denoised);
       if (is_clean) {
         observer.fact("why_not_denoised", fmt::format("the light paths alone have a PSNR of {:.1f} dB", psnr));
         break;

@@ -188,7 +188,7 @@ EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<H
   for (const Hologram& frame : frames) {
     Field u(job.slm.grid, wavelength);
     panel.leave(drive_of(frame), u, {});
-    all += double(u.grid.pixels());
+    for (const std::complex<float>& sample : u.samples.values) all += double(std::norm(sample));
     const Field there = way.to_eye(u);
     for (int j = 0; j < window.ny; ++j)
       for (int i = 0; i < window.nx; ++i) {

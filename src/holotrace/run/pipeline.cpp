@@ -184,7 +184,7 @@ std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& target
       std::vector<Hologram> frames =
           encode_frames(targets_of(targets, job, set), set.front(), job.trace.frames, job.slm, job.encode, o,
                         checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
-      if (aims_at_eyes(job)) report_light_of_eyes(job, frames, o);
+      if (aims_at_eyes(job) && frames.front().illumination > 0) report_light_of_eyes(job, frames, o);
       return frames;
     }));
   }

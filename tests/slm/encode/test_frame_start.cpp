@@ -53,6 +53,9 @@ TEST(FrameStart, DependsOnPanelTargetsAndParameters) {
   Slm amplitudes = slm;
   amplitudes.modulation = Modulation::amplitude;
   EXPECT_EQ(start_with(targets, 1, amplitudes, descent()), FrameStart::speckle);
+  Slm complex = slm;
+  complex.modulation = Modulation::complex;
+  EXPECT_EQ(start_with(one_plane(slm, -0.001), 4, complex, descent()), FrameStart::smooth);  // without a second term
   TargetSet colours = targets;
   colours.planes.push_back(colours.planes.front());
   colours.planes.back().wavelength = 633e-9;
@@ -114,8 +117,9 @@ TEST(FrameStart, SmoothOnesShowThePicture) {
   }
 }
 
-// Eight frames go through the middles of 4 × 2 cells of a panel of 96 × 64 pixels: (±0.125, ±0.375)·w and ±0.25·h. The light in
-// the plane then has the frequencies of its middle's way to these places, X/λz.
+// Eight frames go through the middles of 4 × 2 cells of a panel of 0.768 mm × 0.512 mm, of which light reaches λz/2p = 0.665 mm:
+// (±0.125, ±0.375)·0.665 mm and ±0.25·0.512 mm. The light in the plane then has the frequencies of its middle's way to these
+// places, X/λz.
 TEST(FrameStart, FramesDifferByTheirTilt) {
   const Slm slm = make_panel(96, 64);
   const TargetSet targets = one_plane(slm, -lens);
@@ -129,7 +133,7 @@ TEST(FrameStart, FramesDifferByTheirTilt) {
         up += std::complex<double>(light.samples(j, i)) * std::conj(std::complex<double>(light.samples(j + 1, i)));
       }
     const double per_pixel = 2 * pi * test_pitch / (test_wavelength * lens);
-    EXPECT_NEAR(std::arg(right), per_pixel * (frame % 4 - 1.5) / 4 * g.width(), 0.15) << frame;
+    EXPECT_NEAR(std::arg(right), per_pixel * (frame % 4 - 1.5) / 4 * 0.665e-3, 0.15) << frame;
     EXPECT_NEAR(std::arg(up), per_pixel * (frame / 4 - 0.5) / 2 * g.height(), 0.15) << frame;
   }
 }

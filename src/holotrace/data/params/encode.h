@@ -174,8 +174,8 @@ void describe(Visitor& v, EncodeParams& p) {
   v.choice(
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
-      "per pixel, where none is given; draft: 4, 10, 50, 64; good: 8, 16, 150, 128; best: 16, 24, 300, 256; auto: "
-      "draft; with draft, good or best the method is sgd");
+      "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 40, 32; good: 8, 16, 100, 128; best: 16, 24, 300, 256; "
+      "auto: draft; with draft, good or best the method is sgd");
   v.lengths("target_distances", p.target_distances, range::not_negative,
             "iterations: distances of the target planes from the panel");
   v.lengths("eye", p.eye, range::any,
@@ -203,8 +203,8 @@ void describe(Visitor& v, EncodeParams& p) {
   v.number("least_gain", p.least_gain, range::not_negative,
            "sgd: fall of the loss in dB, between the means of two windows of 10 updates or more, below which the "
            "iterations end early; 0: never");
-  static const std::string step =
-      fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start", sgd_step);
+  static const std::string step = fmt::format(
+      "sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes", sgd_step);
   v.number("step", p.step, range::not_negative, step.c_str());
   v.count("planes_per_update", p.planes_per_update, range::not_negative,
           "sgd: number of target planes in each iteration, in turn; 0: all of them");

@@ -195,7 +195,7 @@ double DisplayProbe::predict(double part) {
   const int64_t all_states = most_states(small, viewpoints(small.camera, small.render));
   const bool has_many = all_states > 2 * few_states;
   if (has_many) small.show.illumination_states = few_states;
-  // Frames that are found together take fewer samples each from four on.
+  // Frames that are found together share the work of the targets.
   small.trace.frames = aims_at_scene(job) ? std::min(job.trace.frames, few_frames) : 1;
   const double scale = transform_work(job.slm.grid) / transform_work(small.slm.grid);
   const double times = holograms / double(job.wavelengths.size()) / small.trace.frames;

@@ -43,13 +43,14 @@ Cells cells_of(int frames, const Grid& panel) {
   return {columns, frames / columns};
 }
 
-// The field that shows the middle plane by plane waves, each through the middle of a cell of the panel, and of modulus 1 or
-// less. One in 100 pixels is clipped.
+// The field that shows the middle plane by a plane wave through the middle of a cell of the panel, or of the part of it whose
+// tilts the panel and the stop let through. Its modulus is 1 or less; one in 100 pixels is clipped.
 Field smooth_field(const TargetPlane& target, const FrameOfMany& which, const Slm& slm, const EncodeParams& params) {
   const Grid& panel = slm.grid;
   const Cells cells = cells_of(which.frames, panel);
-  const double x = ((which.frame % cells.columns + 0.5) / cells.columns - 0.5) * panel.width();
-  const double y = ((which.frame / cells.columns + 0.5) / cells.rows - 0.5) * panel.height();
+  const double reach = stop_width(params) * target.wavelength * std::abs(target.z) / (2 * panel.pitch);
+  const double x = ((which.frame % cells.columns + 0.5) / cells.columns - 0.5) * std::min(panel.width(), reach);
+  const double y = ((which.frame / cells.columns + 0.5) / cells.rows - 0.5) * std::min(panel.height(), reach);
   const double per_metre = which.frames > 1 ? 1 / (target.wavelength * std::abs(target.z)) : 0;
   Field there(panel, target.wavelength, target.z);
   parallel_for(0, panel.ny, [&](int64_t j) {
@@ -65,12 +66,13 @@ Field smooth_field(const TargetPlane& target, const FrameOfMany& which, const Sl
   return field;
 }
 
-Field speckle_field(const TargetPlane& target, const FrameOfMany& which, const Slm& slm, EncodeParams params) {
+Field speckle_field(const TargetSet& targets, double wavelength, const FrameOfMany& which, const Slm& slm,
+                    EncodeParams params) {
   params.method = Encoding::phase;
   params.iterations = 1;
-  params.start = which.frames == 1 ? StartPhase::field : StartPhase::random;
+  params.start = which.frames == 1 && !targets.draw_views ? StartPhase::field : StartPhase::random;
   params.seed += which.frame;
-  return field_of_target(target, slm, params);
+  return field_of_target(middle_plane(targets, wavelength), slm, params);
 }
 
 // A wave that converges to an eye, the frame's in turn. Noise makes frames differ, and spreads some of the light over the
@@ -101,13 +103,14 @@ FrameStart start_of_frames(const TargetSet& targets, double wavelength, int fram
   if (params.start == StartPhase::random) return FrameStart::random;
   if (!targets.eyes.empty()) return FrameStart::converging;
   const int levels = params.levels == 0 ? slm.levels : params.levels;
-  if (modulation_of(params, slm) == Modulation::amplitude || levels <= coarse || wavelengths_of(targets).size() != 1 ||
-      targets.draw_views)
+  const Modulation modulation = modulation_of(params, slm);
+  if (modulation == Modulation::amplitude || (modulation == Modulation::phase && levels <= coarse) ||
+      wavelengths_of(targets).size() != 1 || targets.draw_views)
     return FrameStart::speckle;
   const Grid& panel = slm.grid;
   const double shift = wavelength * std::abs(middle_plane(targets, wavelength).z) / (2 * panel.pitch);
   const bool has_room = shift >= least_shift * std::min(panel.width(), panel.height());
-  return frames == 1 || has_room ? FrameStart::smooth : FrameStart::speckle;
+  return frames == 1 || has_room || modulation == Modulation::complex ? FrameStart::smooth : FrameStart::speckle;
 }
 
 double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations) {
@@ -167,8 +170,7 @@ void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOf
       return write_double_phase_levels(field, false, levels, hologram.level);
     return write_start(field.samples, levels, hologram);
   }
-  if (start == FrameStart::speckle)
-    field = speckle_field(middle_plane(targets, hologram.wavelength), which, slm, params);
+  if (start == FrameStart::speckle) field = speckle_field(targets, hologram.wavelength, which, slm, params);
   field.frame = uint32_t(which.frame);
   write_start(start == FrameStart::converging ? converging_pattern(targets.eyes, field, params, hologram.modulation)
                                               : start_pattern(field, params, hologram.modulation),

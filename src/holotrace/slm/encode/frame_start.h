@@ -10,18 +10,19 @@ namespace holotrace {
 
 /// What the frames of a descent start from. docs/explanation/encoders.md compares the starts.
 enum class FrameStart {
-  random,      ///< random phases on the panel, of each frame its own
-  speckle,     ///< the middle plane's picture with random phases there; the panel shows the field's phase
-  smooth,      ///< that picture with the phase of a plane wave, tilted for each frame; as double phases
+  random,   ///< random phases on the panel, of each frame its own
+  speckle,  ///< the middle plane's picture with random phases there, or of a single frame the phase 0; the panel shows
+            ///< the field's phase. With views, which need light that spreads, phases are always random
+  smooth,   ///< that picture with the phase of a plane wave, tilted for each frame; as double phases
   converging,  ///< a wave that converges to an eye, with noise
 };
 
 /// The best start of `frames` frames at a wavelength:
 ///
 /// - `converging` if the targets name eyes, `random` if the parameters ask for it, otherwise smooth or speckle;
-/// - `smooth` needs a panel that shows phases in more than 4 levels, targets of one wavelength, and no views: light that should
-///   reach pupils everywhere must spread. Of several frames it also needs room for the second term of double phases, which
-///   stands λ|z|/2p aside in the middle plane, z away: 0.7 of the window's smaller side or more.
+/// - `smooth` needs a panel of complex modulation or of more than 4 levels of phase, targets of one wavelength, and no views:
+///   light that should reach pupils everywhere must spread. On a panel of phases several frames also need room for the second
+///   term of double phases, which stands λ|z|/2p aside in the middle plane, z away: 0.7 of the window's smaller side or more.
 FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                            const EncodeParams& params);
 

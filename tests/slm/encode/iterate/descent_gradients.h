@@ -73,10 +73,9 @@ inline Gradient gradient_of(const DescentCase& one, FrameArrays& arrays, const P
     arrays.clear_slopes();
     light->leave(detail);
     for (size_t k = 0; k < planes; ++k)
-      for (const SampleGroup samples : {SampleGroup::all, group}) {
-        const ModulusSums sums = light->plane_sums(k, samples, samples == group);
+      for (const bool is_judged : {true, false}) {
+        const ModulusSums sums = light->plane_sums(k, is_judged ? SampleGroup::all : group, !is_judged);
         gradient.numbers.insert(gradient.numbers.end(), {sums.cross, sums.square});
-        if (samples == group && group == SampleGroup::all) break;
       }
     for (size_t k = 0; k < planes; ++k) gradient.numbers.push_back(light->add_gradient(k, group, 1.3, 0.7));
     for (const int update : {1, 2}) {

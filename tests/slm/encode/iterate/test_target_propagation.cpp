@@ -169,23 +169,5 @@ TEST(PixelMeans, FringesHaveTheContrastOfTheirMeanOverAPixel) {
   }
 }
 
-TEST(PixelMeans, SpreadToSamplesIsTheAdjoint) {
-  SamplePower power;
-  Array2D<float> factor(5, 7);
-  for (size_t i = 0; i < factor.size(); ++i) factor.values[i] = float(CounterRandom(1, 0, i).uniform());
-  for (size_t s = 0; s < 4; ++s) {
-    power[s] = Array2D<float>(5, 7);
-    for (size_t i = 0; i < factor.size(); ++i) power[s].values[i] = float(CounterRandom(2, uint32_t(s), i).uniform());
-  }
-  const Array2D<float> means = pixel_means(power);
-  const SamplePower spread = spread_to_samples(factor);
-  double there = 0, back = 0;
-  for (size_t i = 0; i < factor.size(); ++i) {
-    there += double(means.values[i]) * factor.values[i];
-    for (size_t s = 0; s < 4; ++s) back += double(power[s].values[i]) * spread[s].values[i];
-  }
-  EXPECT_NEAR(there, back, 1e-5 * there);  // sums of 140 floats
-}
-
 }  // namespace
 }  // namespace holotrace

@@ -60,17 +60,6 @@ __kernel void pixel_means(int nx, int ny, __global const float* above_left, __gl
   means[(size_t)j * nx + i] = mean_along(upper, lower, before, after);
 }
 
-// v *= the factor of a sample, which lies left or right (across = −1 or 1) and above or below (down = −1 or 1).
-__kernel void multiply_by_spread(int nx, int ny, int across, int down, __global const float* factor,
-                                 __global float2* v) {
-  const int i = get_global_id(0), j = get_global_id(1);
-  if (i >= nx) return;
-  const int beside = clamp(i + across, 0, nx - 1);
-  __global const float* const row = factor + (size_t)j * nx;
-  __global const float* const next = factor + (size_t)clamp(j + down, 0, ny - 1) * nx;
-  v[(size_t)j * nx + i] *= spread_along(spread_along(row[i], row[beside]), spread_along(next[i], next[beside]));
-}
-
 // v *= factor
 __kernel void multiply_by_real(ulong count, __global const float* factor, __global float2* v) {
   const size_t i = get_global_id(0);

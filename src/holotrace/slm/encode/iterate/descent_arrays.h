@@ -92,8 +92,8 @@ inline double part_of_light(SampleGroup group) {
   return group == SampleGroup::all ? 1 : 4 / double(samples_of(group, 4).size());
 }
 
-/// Whether the mean over a pixel counts its neighbours' samples (pixel_means): all four samples and those of the
-/// neighbours give it better than the pixel's own samples do.
+/// Whether the mean over a pixel counts its neighbours' samples (pixel_means), as it does in judgements: all four samples and
+/// those of the neighbours give it better than the pixel's own samples do. Such light has no gradient.
 inline bool has_pixel_means(SampleGroup group, int subpixels) { return group == SampleGroup::all && subpixels == 1; }
 
 /// The optics between a driven panel and the samples of its target planes.

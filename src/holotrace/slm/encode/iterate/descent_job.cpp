@@ -80,7 +80,9 @@ void add(Fingerprint& f, const Slm& slm) {
 IterationState descent_job(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
                            const std::vector<Hologram>& frames) {
   Fingerprint f;
+  constexpr int schedule = 2;  // changes with what updates do
   f.add_text(HOLOTRACE_VERSION);
+  f.add(schedule);
   add(f, slm);
   f.add(iterations_of(params));
   f.add(stop_width(params));

@@ -104,11 +104,6 @@ HOLOTRACE_KERNEL_FUNCTION float mean_along(float first, float second, float befo
   return own * (first + second) + of_neighbour * (before + after);
 }
 
-/// The adjoint: the factor of a sample from that of its pixel and that of the neighbour next to it.
-HOLOTRACE_KERNEL_FUNCTION float spread_along(float pixel, float neighbour) {
-  return own * pixel + of_neighbour * neighbour;
-}
-
 #ifndef __OPENCL_VERSION__
 }  // namespace holotrace::descent_kernel
 #endif

@@ -55,13 +55,6 @@ void multiply_by_real(Device& device, const DeviceBuffer& factor, const DeviceBu
   device.run(kernel("multiply_by_real"), over(count), {count, factor, v});
 }
 
-void multiply_by_spread(Device& device, const Grid& pixels, size_t sample, const DeviceBuffer& factor,
-                        const DeviceBuffer& v) {
-  const int32_t across = sample % 2 == 0 ? -1 : 1, down = sample < 2 ? -1 : 1;
-  device.run(kernel("multiply_by_spread"), over(pixels),
-             {int32_t(pixels.nx), int32_t(pixels.ny), across, down, factor, v});
-}
-
 ModulusSums fit_sums(Device& device, const DeviceTarget& target, const DeviceBuffer& power) {
   const bool has_weight = target.weight.bytes() > 0;
   device.run(kernel("sum_rows"), rows_of(target),

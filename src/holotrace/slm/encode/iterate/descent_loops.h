@@ -39,10 +39,6 @@ void multiply_pixels(Device& device, const Grid& pixels, int n, const DeviceBuff
 /// v ← factor·v
 void multiply_by_real(Device& device, const DeviceBuffer& factor, const DeviceBuffer& v);
 
-/// v ← f·v at one of the four samples of each pixel, f as spread_to_samples gives it.
-void multiply_by_spread(Device& device, const Grid& pixels, size_t sample, const DeviceBuffer& factor,
-                        const DeviceBuffer& v);
-
 /// Σw·a·A and Σw·A²: within rows in float, over them in double and in order. It waits for the device.
 ModulusSums fit_sums(Device& device, const DeviceTarget& target, const DeviceBuffer& power);
 

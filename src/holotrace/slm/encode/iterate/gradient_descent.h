@@ -71,7 +71,7 @@ class Device;
 /// `convergence`, the loss of each iteration before its step, where planes that had no turn yet count as the others, and that of
 /// the final levels. Cost for each frame and plane of an iteration: one transform there and one back, and as many more as
 /// samples in a pixel (two; one of smooth targets); as much again for
-/// views; with effects, the panel model forward and back. Memory: 60 bytes per pixel and frame (80 on a complex panel) with one
+/// views; with effects, the panel model forward and back. Memory: 44 bytes per pixel and frame (64 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.
 void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames, const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr);

@@ -97,16 +97,17 @@ void ProcessorFrames::restore(const std::vector<Array2D<float>>& state) {
   each_array_of_state([&](Array2D<float>& values) { values = state[next++]; });
 }
 
-// Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames.
+// Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames; all samples of one frame,
+// for a judgement.
 void require_memory_for_descent(size_t planes, const Slm& slm, const EncodeParams& params,
                                 const std::vector<Hologram>& frames, int processes) {
   const Grid& grid = slm.grid;
   const size_t arrays = frames.front().modulation == Modulation::complex ? 2 : 1;
-  const double fine = double(params.subpixels) * params.subpixels, samples = params.subpixels > 1 ? fine : 4;
+  const double fine = double(params.subpixels) * params.subpixels, samples = params.subpixels > 1 ? fine : 2;
   const size_t at_once = params.planes_per_update == 0 ? planes : std::min(planes, size_t(params.planes_per_update));
   const double of_plane = 4 + 16 * fine, of_frame = 20 * double(arrays) + 8 * fine + 8 * samples * double(at_once);
   require_memory(
-      processes * double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames.size())),
+      processes * double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames.size()) + 32),
       fmt::format("gradient descent for {} frame(s) of {} × {} pixels and {} target plane(s){}", frames.size(), grid.nx,
                   grid.ny, planes, processes > 1 ? fmt::format(" in each of {} processes", processes) : ""));
 }

@@ -59,13 +59,8 @@ double ProcessorLight::add_gradient(size_t plane, SampleGroup group, double scal
   auto& [mean, samples] = kept.mapped();
   const double error = others_.has_targets() ? scale * scale * leave_residual(*way.target, 1 / scale, mean) : 0;
   if (others_.exchange) others_.exchange->hand_out(mean.values.data(), mean.size());
-  SamplePower of_sample;
-  if (has_means(group)) of_sample = spread_to_samples(mean);
   for (size_t m = 0; m < samples.size(); ++m) {
-    if (has_means(group))
-      for (size_t i = 0; i < of_sample.size(); ++i) multiply(of_sample[i], samples[m][i]);
-    else
-      multiply(mean, samples[m]);
+    multiply(mean, samples[m]);
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
     lit_.panel.add_slope(levels_[m], u_[m], back, -2 * scale * scale * factor * part_of_light(group) / frames(),

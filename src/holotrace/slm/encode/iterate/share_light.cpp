@@ -149,10 +149,7 @@ void ShareLight::add_slopes(size_t plane, SampleGroup group, double factor) {
     const std::vector<DisplacedSamples> samples = samples_for(way, group, is_streamed ? 0 : m, light);
     if (is_streamed) way.there.to_many(u, samples, memory_.work);
     for (const DisplacedSamples& there : samples)
-      if (has_means(group))
-        multiply_by_spread(device_, pixels(), there.shift, light.mean, *there.samples);
-      else
-        multiply_pixels(device_, pixels(), lit_.params.subpixels, light.mean, *there.samples);
+      multiply_pixels(device_, pixels(), lit_.params.subpixels, light.mean, *there.samples);
     to_panel(way, samples);
     panel_.add_slope(frame, detail_, u, {memory_.back, memory_.panel}, factor);
   });

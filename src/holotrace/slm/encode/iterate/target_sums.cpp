@@ -10,7 +10,6 @@
 namespace holotrace {
 
 using descent_kernel::mean_along;
-using descent_kernel::spread_along;
 
 namespace {
 
@@ -101,27 +100,6 @@ Array2D<float> pixel_means(const SamplePower& power) {
       },
       {}, 16);
   return means;
-}
-
-SamplePower spread_to_samples(const Array2D<float>& pixels) {
-  const int nx = pixels.nx, ny = pixels.ny;
-  SamplePower samples;
-  for (size_t s = 0; s < samples.size(); ++s) {
-    const int across = s % 2 == 0 ? -1 : 1, down = s < 2 ? -1 : 1;  // where the neighbour is that the sample counts for
-    samples[s] = Array2D<float>(ny, nx);
-    parallel_for(
-        0, ny,
-        [&](int64_t row) {
-          const int j = int(row), next = std::clamp(j + down, 0, ny - 1);
-          const auto along = [&](const float* r, int i) {
-            return spread_along(r[i], r[std::clamp(i + across, 0, nx - 1)]);
-          };
-          for (int i = 0; i < nx; ++i)
-            samples[s](j, i) = spread_along(along(pixels.row(j), i), along(pixels.row(next), i));
-        },
-        {}, 16);
-  }
-  return samples;
 }
 
 void multiply(const Array2D<float>& factor, Field& samples) {

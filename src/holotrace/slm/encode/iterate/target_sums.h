@@ -37,9 +37,6 @@ Array2D<float> power_of(const std::vector<Field>& samples, const Grid& pixels);
 /// alone differ by 0.087: iterations leave error there, and do not see it.
 Array2D<float> pixel_means(const SamplePower& power);
 
-/// The adjoint of pixel_means: the factor of each sample from that of each pixel.
-SamplePower spread_to_samples(const Array2D<float>& pixels);
-
 /// v ← factor·v at all samples of each pixel.
 void multiply(const Array2D<float>& factor, std::vector<Field>& samples);
 void multiply(const Array2D<float>& factor, Field& samples);
