@@ -73,6 +73,7 @@ TEST(SceneTargets, WarnOfPlanesThatAreFartherApartThanTheDepthOfFocus) {
   const std::vector<std::string> sparse = warnings({0.024, 0.02});  // 8.33/m, 12.8 times as much
   ASSERT_EQ(sparse.size(), 1u);
   EXPECT_TRUE(sparse.front().starts_with("the target planes at 20 mm and 24 mm are 12.8 depths of focus")) << sparse[0];
+  EXPECT_NE(sparse.front().find("3.7 dB worse"), std::string::npos) << sparse[0];  // 1.2·log₂(12.8/1.5)
 }
 
 // A luminous square of side 0.3 mm at 20 mm looks toward a mirror at 30 mm: its image is at 40 mm.
