@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "holotrace/run/eye_views.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/slm/panel/show.h"
@@ -245,6 +246,32 @@ Job squares_for_an_eye() {
   job.encode.pupil = 5e-4;
   job.encode.eyebox = {"0.2 mm"};
   return with_eyes(job);
+}
+
+// Pupils of F frames are at r = R·√v·(√v)^(2/F) from the eye, v even in 0 … 1: 1/2.5 of R in the mean for one frame, 2/3 for very
+// many. R is the radius of the eyebox, 0.1 mm, and a twelfth of a pupil.
+TEST(Eyes, PupilsOfFewFramesAreNearerToTheEye) {
+  Job job = squares_for_an_eye();
+  job.render.paths = 1;
+  const SceneTargets targets = trace_targets(job);
+  const double radius = 0.1e-3 + 0.5e-3 / 12;
+  const auto mean_radius = [&](int frames) {
+    job.trace.frames = frames;
+    double sum = 0, most = 0;
+    constexpr int draws = 400;
+    for (int update = 0; update < draws; ++update) {
+      const Vec3 at =
+          draw_view_in_box(targets.eyes.front(), job, {0.02}, update, test_wavelength).pupils.front().centre;
+      const Vec3 aside = at - targets.eyes.front().eye;
+      most = std::max(most, length(aside));
+      sum += length(aside);
+    }
+    EXPECT_LE(most, radius * (1 + 1e-9));
+    EXPECT_GT(most, 0.9 * radius);
+    return sum / draws / radius;
+  };
+  EXPECT_NEAR(mean_radius(1), 0.4, 0.05);  // 400 draws: ±0.015
+  EXPECT_NEAR(mean_radius(1000), 2.0 / 3, 0.05);
 }
 
 TEST(Eyes, AreThoseOfTheCamera) {

@@ -124,6 +124,22 @@ TEST(JointFrames, CompareWindowsOfAllSamplesToEndEarly) {
   EXPECT_EQ(iterations(1), 3 * 12);
 }
 
+// A step of 0 is that of the start (frame_start.h): 0.1 rad for 50 iterations from a smooth one, 0.4 rad from random phases.
+TEST(JointFrames, TakeTheStepOfTheirStart) {
+  const Slm slm = make_panel(96, 64);
+  EncodeParams params = descent({0.02}, 50);
+  const std::vector<TargetPlane> targets = picture_targets(slm, params);
+  const auto levels = [&](double step) {
+    params.step = step;
+    return encode_frames({targets}, test_wavelength, 1, slm, params).front().level.values;
+  };
+  params.start = StartPhase::field;
+  EXPECT_EQ(levels(0), levels(0.1));
+  EXPECT_NE(levels(0), levels(0.4));
+  params.start = StartPhase::random;
+  EXPECT_EQ(levels(0), levels(0.4));
+}
+
 TEST(JointFrames, ShowPlanesBetweenTheTargets) {
   // The light of the panel's band has a depth of focus of λ/NA² = 4p²/λ = 0.48 mm. A plane in the middle of two targets
   // 0.2 mm apart is as good as they are: 39 dB measured. Aimed at one of them alone, it is not: 30 dB.
