@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "holotrace/run/choose.h"
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
+#include "holotrace/run/target_planes.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
@@ -60,6 +62,22 @@ TEST(SceneTargets, PlanesGoOneDepthOfFocusBeyondTheSceneAndIncludeThoseOfTheCame
   job.encode.target_distances = {};
   job.scene = {};
   EXPECT_THROW(target_distances_of(job), Error);
+}
+
+// From 1/0.02 m to 1/0.024 m there are 8.33/m, or 12.8 depths of focus; from 1/0.01 m 58.3/m, or 89.9. Drafts have one frame for
+// up to 40, and four for deeper scenes.
+TEST(SceneTargets, DraftsOfDeepScenesHaveSeveralFrames) {
+  Job job = two_squares();
+  EXPECT_NEAR(depth_of_scene(job), 8.33 / depth_of_focus, 0.1);
+  EXPECT_EQ(choose_missing(job).trace.frames, 1);
+  for (Vec3& position : job.scene.meshes.front().positions) position.z = -0.01;
+  EXPECT_NEAR(depth_of_scene(job), 58.33 / depth_of_focus, 0.1);
+  const Job chosen = choose_missing(job);
+  EXPECT_EQ(chosen.trace.frames, 4);
+  job.encode.quality = Quality::good;
+  EXPECT_EQ(choose_missing(job).trace.frames, 8);
+  job.scene = {};
+  EXPECT_EQ(depth_of_scene(job), 0);
 }
 
 TEST(SceneTargets, WarnOfPlanesThatAreFartherApartThanTheDepthOfFocus) {
