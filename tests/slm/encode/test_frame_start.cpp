@@ -94,7 +94,7 @@ Field shown(const Slm& slm, const TargetSet& targets, const FrameOfMany& which, 
 }
 
 // Correlation of moduli with the target's, in its lit part: 1 for a picture of the same shape.
-double likeness(const Field& light, const TargetPlane& target) {
+double likeness_where_lit(const Field& light, const TargetPlane& target) {
   double cross = 0, of_light = 0, of_target = 0;
   for (size_t i = 0; i < light.samples.size(); ++i) {
     const double a = target.amplitude.values[i], b = std::abs(light.samples.values[i]);
@@ -113,7 +113,7 @@ TEST(FrameStart, SmoothOnesShowThePicture) {
     EncodeParams params = descent();
     params.image = z > 0 ? ImageSide::real_image : ImageSide::virtual_image;
     const TargetSet targets = one_plane(slm, z);
-    EXPECT_GT(likeness(shown(slm, targets, {0, 1}, params), targets.planes.front()), 0.98) << z;
+    EXPECT_GT(likeness_where_lit(shown(slm, targets, {0, 1}, params), targets.planes.front()), 0.98) << z;
   }
 }
 
