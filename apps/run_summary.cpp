@@ -46,8 +46,7 @@ void print_light_of_eyes(const StageReport& stage) {
   if (!in_box || !in_pupil || !beside) return;
   for (size_t i = 0; i < in_box->size(); ++i)
     fmt::print(
-        "    {}{:.0f} % of the panel's light reaches the eyebox, {:.0f} % a pupil in its middle; a pupil beside the box gets "
-        "{:.1f} %, and no picture\n",
+        "    {}{:.1f} % of the panel's light reaches the eyebox, {:.1f} % a pupil in its middle, {:.1f} % a pupil just outside\n",
         in_box->size() > 1 ? fmt::format("eye {}: ", i + 1) : "", 100 * (*in_box)[i], 100 * (*in_pupil)[i],
         100 * (*beside)[i]);
 }

@@ -183,13 +183,6 @@ void keep_means(const Image& noisy, const Part& part, Image& denoised) {
   });
 }
 
-bool is_grey(const Image& image) {
-  if (image.channels != 3) return false;
-  for (size_t i = 0; i < image.values.size(); i += 3)
-    if (image.values[i] != image.values[i + 1] || image.values[i] != image.values[i + 2]) return false;
-  return true;
-}
-
 // Of a grey picture, one channel, or of one channel a grey picture.
 Image with_channels(const Image& image, int channels) {
   Image other(image.ny, image.nx, channels);
@@ -202,6 +195,13 @@ Image with_channels(const Image& image, int channels) {
 }
 
 }  // namespace
+
+bool is_grey(const Image& image) {
+  if (image.channels != 3) return false;
+  for (size_t i = 0; i < image.values.size(); i += 3)
+    if (image.values[i] != image.values[i + 1] || image.values[i] != image.values[i + 2]) return false;
+  return true;
+}
 
 Image denoise(const Image& radiance, const DenoiseGuides& guides, DenoiseQuality quality, const Observer& observer) {
   check_picture(radiance);

@@ -16,6 +16,9 @@ struct DenoiseGuides {
   Image normals;  ///< unit normal on the viewer's side, three channels
 };
 
+/// Whether a picture has three equal channels.
+bool is_grey(const Image& image);
+
 /// A path-traced picture without the noise of few light paths: what the network of Open Image Denoise 2 expects the
 /// mean of many paths to be. Edges and textures stay where the picture or its guides show them.
 ///

@@ -14,7 +14,7 @@
 #include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/target_planes.h"
-#include "holotrace/slm/encode/blank_hologram.h"
+#include "holotrace/slm/encode/frame_start.h"
 #include "holotrace/view/camera.h"
 
 namespace holotrace {
@@ -199,16 +199,12 @@ class Chooser {
   // without a smooth start (frame_start.h).
   std::string reason_for_several() const {
     constexpr double shallow = 40;  // depths of focus
-    constexpr int coarse = 4;
     const EncodeParams& encode = job_.encode;
     if (encode.target == EncodeTarget::light_field || (!encode.eye.empty() && eyebox_of(encode).is_all))
-      return "the light goes everywhere";
-    if (encode.is_joint && job_.wavelengths.size() > 1) return "each has all colours";
-    const Modulation modulation = modulation_of(encode, job_.slm);
-    const int levels = encode.levels == 0 ? job_.slm.levels : encode.levels;
-    if (modulation == Modulation::amplitude || (modulation == Modulation::phase && levels <= coarse))
-      return "the panel has no fine phases";
-    if (encode.start == StartPhase::random) return "their phases are random";
+      return "the light is for eyes at any place";
+    if (encode.is_joint && job_.wavelengths.size() > 1) return "each frame shows all colours";
+    if (!shows_smooth_starts(job_.slm, encode)) return "the panel has no phases, or few levels of them";
+    if (encode.start == StartPhase::random) return "the frames start from random phases";
     const double depth = job_.wavelengths.empty() ? 0 : depth_of_scene(job_);
     return depth > shallow ? fmt::format("the scene is {:.0f} depths of focus deep", depth) : "";
   }

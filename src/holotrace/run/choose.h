@@ -26,8 +26,8 @@ enum class Goal { picture, waves };
 ///     best        16           24              300            256
 ///
 /// A draft has 4 frames for a scene deeper than 40 depths of focus, and where a single frame has no smooth start
-/// (frame_start.h). With the library of denoising an eighth of the paths is enough. For eyes draft, good and best have 1, 4 and 8 frames, 150,
-/// 250 and 300 iterations, and 32, 64 and 128 paths.
+/// (frame_start.h). With the library of denoising an eighth of the paths is enough. For eyes draft, good and best have 1, 4 and
+/// 8 frames, 150, 250 and 300 iterations, and 32, 64 and 128 paths.
 ///
 /// Other jobs have 1 frame, and 64 paths per pixel.
 ///

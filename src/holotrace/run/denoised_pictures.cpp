@@ -46,12 +46,6 @@ Observer between(const Observer& observer, double from, double to) {
   return part;
 }
 
-bool is_grey(const Image& picture) {
-  for (size_t i = 0; i < picture.values.size(); i += 3)
-    if (picture.values[i] != picture.values[i + 1] || picture.values[i] != picture.values[i + 2]) return false;
-  return true;
-}
-
 // Channel 0 of up to three pictures from `first` on, as the channels of one; the last one fills up.
 Image as_channels(const std::vector<Image>& pictures, size_t first) {
   Image all = pictures[first];

@@ -73,9 +73,9 @@ double depth_of_focus_of(const Job& job) {
 }
 
 double depth_of_scene(const Job& job) {
+  const double z = aperture_of(job).z;
   double depth = 0;
-  for (const auto& [nearest, farthest] : ranges_of(job))
-    depth += 1 / (nearest + aperture_of(job).z) - 1 / (farthest + aperture_of(job).z);
+  for (const auto& [nearest, farthest] : ranges_of(job)) depth += 1 / (nearest + z) - 1 / (farthest + z);
   return depth / depth_of_focus_of(job);
 }
 
@@ -127,8 +127,8 @@ void warn_of_sparse_planes(const Job& job, const Observer& observer) {
   const double loss = 1.2 * std::log2(widest / (dense * spacing));  // [dB] measured: docs/explanation/encoders.md
   const double middle = 2 / (1 / (distances[at - 1] + z) + 1 / (distances[at] + z));
   observer.warn(fmt::format(
-      "the target planes at {} and {} are {:.1f} depths of focus ({}) apart: expect a picture between them that is {:.1f} dB "
-      "worse than with planes {} of them apart; leave target_distances out, or give planes that are nearer to each other",
+      "the target planes at {} and {} are {:.1f} depths of focus ({}) apart: the picture between them will be about {:.1f} dB "
+      "worse than with planes {} depths of focus apart; leave target_distances out, or give planes that are nearer to each other",
       format_length(distances[at - 1]), format_length(distances[at]), widest / spacing,
       format_length(spacing * middle * middle), loss, dense));
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -82,8 +83,8 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   std::vector<Hologram> holograms;
   const Slm known = with_effects(slm, params.effects);
   const bool has_dark_targets = is_dark(targets, wavelength, observer);
-  const FrameStart kind =
-      has_dark_targets ? FrameStart::random : start_of_frames(targets, wavelength, frames, slm, params);
+  std::optional<FrameStart> kind;  // none for dark targets
+  if (!has_dark_targets) kind = start_of_frames(targets, wavelength, frames, slm, params);
   for (int frame = 0; frame < frames; ++frame) {
     Field blank(slm.grid, wavelength);
     blank.frame = uint32_t(frame);
@@ -91,17 +92,17 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
     if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
       tell_phase_range(known, levels.range(), wavelength, observer);
-    if (has_dark_targets)
-      write_start(start_pattern(blank, params, holograms.back().modulation), levels, holograms.back());
+    if (kind)
+      write_frame_start(*kind, targets, {frame, frames}, slm, params, levels, holograms.back());
     else
-      write_frame_start(kind, targets, {frame, frames}, slm, params, levels, holograms.back());
+      write_start(start_pattern(blank, params, holograms.back().modulation), levels, holograms.back());
   }
-  if (has_dark_targets) {
+  if (!kind) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;
     return holograms;
   }
   EncodeParams stepped = params;
-  if (params.step == 0) stepped.step = step_from(kind, targets, slm.grid, iterations_of(params));
+  if (params.step == 0) stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params));
   descend(targets, known, stepped, observer, holograms, checkpoint, links);
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);

@@ -96,21 +96,25 @@ Array2D<std::complex<float>> converging_pattern(const std::vector<Vec3>& eyes, c
 
 }  // namespace
 
+bool shows_smooth_starts(const Slm& slm, const EncodeParams& params) {
+  constexpr int coarse = 4;  // levels
+  const Modulation modulation = modulation_of(params, slm);
+  const int levels = params.levels == 0 ? slm.levels : params.levels;
+  return modulation == Modulation::complex || (modulation == Modulation::phase && levels > coarse);
+}
+
 FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                            const EncodeParams& params) {
-  constexpr int coarse = 4;            // levels that show double phases no better than random ones
   constexpr double least_shift = 0.7;  // of the window's smaller side
   if (params.start == StartPhase::random) return FrameStart::random;
   if (!targets.eyes.empty()) return FrameStart::converging;
-  const int levels = params.levels == 0 ? slm.levels : params.levels;
-  const Modulation modulation = modulation_of(params, slm);
-  if (modulation == Modulation::amplitude || (modulation == Modulation::phase && levels <= coarse) ||
-      wavelengths_of(targets).size() != 1 || targets.draw_views)
+  if (!shows_smooth_starts(slm, params) || wavelengths_of(targets).size() != 1 || targets.draw_views)
     return FrameStart::speckle;
   const Grid& panel = slm.grid;
   const double shift = wavelength * std::abs(middle_plane(targets, wavelength).z) / (2 * panel.pitch);
   const bool has_room = shift >= least_shift * std::min(panel.width(), panel.height());
-  return frames == 1 || has_room || modulation == Modulation::complex ? FrameStart::smooth : FrameStart::speckle;
+  const bool has_second_term = modulation_of(params, slm) == Modulation::phase;
+  return frames == 1 || has_room || !has_second_term ? FrameStart::smooth : FrameStart::speckle;
 }
 
 double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations) {

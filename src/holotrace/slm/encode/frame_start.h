@@ -17,12 +17,16 @@ enum class FrameStart {
   converging,  ///< a wave that converges to an eye, with noise
 };
 
+/// Whether a panel shows smooth starts: it has complex modulation, or more than 4 levels of phase. With fewer levels double
+/// phases are no better than random ones.
+bool shows_smooth_starts(const Slm& slm, const EncodeParams& params);
+
 /// The best start of `frames` frames at a wavelength:
 ///
 /// - `converging` if the targets name eyes, `random` if the parameters ask for it, otherwise smooth or speckle;
-/// - `smooth` needs a panel of complex modulation or of more than 4 levels of phase, targets of one wavelength, and no views:
-///   light that should reach pupils everywhere must spread. On a panel of phases several frames also need room for the second
-///   term of double phases, which stands λ|z|/2p aside in the middle plane, z away: 0.7 of the window's smaller side or more.
+/// - `smooth` needs a panel that shows it, targets of one wavelength, and no views: light that should reach pupils everywhere
+///   must spread. On a panel of phases several frames also need room for the second term of double phases, which stands
+///   λ|z|/2p aside in the middle plane, z away: 0.7 of the window's smaller side or more.
 FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                            const EncodeParams& params);
 
@@ -40,11 +44,12 @@ struct FrameOfMany {
 void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOfMany& which, const Slm& slm,
                        const EncodeParams& params, const PhaseLevels& levels, Hologram& hologram);
 
-/// Writes the start of iterations from a field: its phase, or a random one if the parameters say so. On a complex panel the
-/// modulus is that of the field, as a fraction of the largest, or half with a random phase; on a panel of amplitudes
-/// levels show the real part between 0 and 1.
-/// @return the pattern that the levels show
+/// The start of iterations from a field: its phase, or a random one if the parameters say so, and the modulus 1. On a complex
+/// panel the modulus is that of the field, as a fraction of the largest, or half with a random phase.
 Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params, Modulation modulation);
+
+/// Writes the levels of a start: those of its phase, on a complex panel also of its modulus, and on a panel of amplitudes of its
+/// real part, where −1 … 1 become 0 … 1.
 void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels& levels, Hologram& hologram);
 
 }  // namespace holotrace

@@ -14,6 +14,18 @@
 namespace holotrace {
 namespace {
 
+// The squares of slopes, added up, and the steepest one.
+struct Steepness {
+  double square = 0, most = 0;
+
+  void add(const Array2D<float>& slopes) {
+    for (const float d : slopes.values) {
+      square += double(d) * d;
+      most = std::max(most, std::abs(double(d)));
+    }
+  }
+};
+
 struct GradientCase {
   std::string name;
   Slm slm;
@@ -95,14 +107,9 @@ TEST(Gradient, IsThatOfFiniteDifferences) {
         });
       }
       descent.loss(drives, &slopes);
-      double square = 0, most = 0;
-      for (Drive& slope : slopes)
-        each_array(slope, [&](const Array2D<float>& values) {
-          for (const float d : values.values) {
-            square += double(d) * d;
-            most = std::max(most, std::abs(double(d)));
-          }
-        });
+      Steepness steepness;
+      for (Drive& slope : slopes) each_array(slope, [&](const Array2D<float>& values) { steepness.add(values); });
+      const auto [square, most] = steepness;
       const double h = 2 / most;  // the largest change is 2 levels, 0.05 rad
       const auto at = [&](double step) {
         std::vector<Drive> moved = drives;
@@ -224,12 +231,9 @@ TEST(Gradient, OfViewsIsThatOfFiniteDifferences) {
     const AdamStep mean_is_slope{0, 0, 0, 1};
     arrays.step({mean_is_slope, mean_is_slope, 0, 65536, 1});
     const std::vector<Array2D<float>> state = arrays.state();  // of each frame: rounded, drive, mean, square
-    double square = 0, most = 0;
-    for (const size_t mean : {size_t(2), size_t(6)})
-      for (const float d : state[mean].values) {
-        square += double(d) * d;
-        most = std::max(most, std::abs(double(d)));
-      }
+    Steepness steepness;
+    for (const size_t mean : {size_t(2), size_t(6)}) steepness.add(state[mean]);
+    const auto [square, most] = steepness;
     const double h = 500 / most;  // the largest change is 500 levels, 0.05 rad
     const auto at = [&](double step) {
       std::vector<Hologram> moved = frames;
