@@ -138,5 +138,55 @@ TEST(FrameStart, FramesDifferByTheirTilt) {
   }
 }
 
+// An eye at (0.1, −0.05) mm, 20 mm before the panel, sees a plane 30 mm behind it through the panel's place p at e + 2.5·(p − e).
+// There the picture has the modulus 1 above y = 0.06 mm, 0.5 below it to the left of x = 0.2 mm, and 0 to the right: on the
+// panel these edges are at y = −0.006 mm and x = 0.14 mm. Pairs of double phases have that mean, on the phase that
+// converges to the eye.
+TEST(FrameStart, ConvergingOnesHaveTheModulusThatTheEyeSees) {
+  const Slm slm = make_panel(96, 64);
+  const Vec3 eye{0.1e-3, -0.05e-3, 0.02};
+  ViewTargets view{-0.03, test_wavelength, slm.grid, Grid{161, 121, 16e-6}, {{eye, 1e-4}}, {Array2D<float>(121, 161)}};
+  for (int j = 0; j < 121; ++j)
+    for (int i = 0; i < 161; ++i)
+      view.amplitudes[0](j, i) = view.picture.y(double(j)) > 0.06e-3 ? 1.0F : view.picture.x(i) < 0.2e-3 ? 0.5F : 0.0F;
+  TargetSet targets;
+  targets.views = {view};
+  targets.eyes = {eye};
+  const auto mean_at = [&](const EncodeParams& params, int levels, double x, double y) {
+    Hologram hologram = blank_hologram(Field(slm.grid, test_wavelength), slm, params, {});
+    write_frame_start(FrameStart::converging, targets, {0, 1}, slm, params, PhaseLevels(slm, levels, test_wavelength),
+                      hologram);
+    const int column = int(std::lround((x - slm.grid.x(0)) / test_pitch));
+    const int row = int(std::lround((slm.grid.y(0.0) - y) / test_pitch));
+    std::complex<double> sum = 0;
+    for (int j = row; j < row + 4; ++j)
+      for (int i = column; i < column + 4; ++i) {
+        const double way = length(eye - Vec3{slm.grid.x(i), slm.grid.y(double(j)), 0});
+        sum +=
+            std::polar(1.0, 2 * pi * (hologram.level(j, i) / double(levels) - (eye.z - way) / test_wavelength)) / 16.0;
+      }
+    return sum;
+  };
+  const auto expect = [&](double x, double y, double modulus) {
+    const std::complex<double> mean = mean_at(descent(), 256, x, y);
+    // Half a level is 0.012 rad. Pairs of a modulus of 0 have the phase 0, so the wave turns a little between them.
+    const double error = modulus > 0 ? 0.01 : 0.04;
+    EXPECT_NEAR(mean.real(), modulus, error) << x << " " << y;
+    EXPECT_NEAR(mean.imag(), 0, error) << x << " " << y;
+  };
+  expect(0, 0.05e-3, 1);
+  expect(0.25e-3, 0.05e-3, 1);
+  expect(0, -0.1e-3, 0.5);
+  expect(-0.3e-3, -0.05e-3, 0.5);
+  expect(0.1e-3, -0.1e-3, 0.5);
+  expect(0.2e-3, -0.1e-3, 0);
+  // Panels of few levels have no modulus: noise of ±0.35 cycles leaves sin(0.7π)/0.7π = 0.37 of the wave everywhere.
+  EncodeParams few = descent();
+  few.levels = 4;
+  double sum = 0;
+  for (int k = 0; k < 20; ++k) sum += mean_at(few, 4, -0.35e-3 + 0.032e-3 * k, -0.1e-3).real() / 20;
+  EXPECT_NEAR(sum, 0.37, 0.1);  // 320 pixels of a spread of 0.6: ±0.035
+}
+
 }  // namespace
 }  // namespace holotrace

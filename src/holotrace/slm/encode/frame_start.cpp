@@ -75,23 +75,47 @@ Field speckle_field(const TargetSet& targets, double wavelength, const FrameOfMa
   return field_of_target(middle_plane(targets, wavelength), slm, params);
 }
 
-// A wave that converges to an eye, the frame's in turn. Noise makes frames differ, and spreads some of the light over the
-// eyebox and beyond.
-Array2D<std::complex<float>> converging_pattern(const std::vector<Vec3>& eyes, const Field& field,
-                                                const EncodeParams& params, Modulation modulation) {
-  constexpr double noise = 0.35;  // cycles, either way
-  const Vec3 eye = eyes[field.frame % eyes.size()];
-  const double modulus = modulation == Modulation::complex ? 0.5 : 1;
-  Array2D<std::complex<float>> pattern(field.grid.ny, field.grid.nx);
-  parallel_for(0, pattern.ny, [&](int64_t j) {
-    for (int i = 0; i < pattern.nx; ++i) {
-      const Vec3 way = eye - Vec3{field.grid.x(i), field.grid.y(double(j)), 0};
-      CounterRandom random(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i));
-      pattern(int(j), i) = std::complex<float>(
-          modulus * cis_cycles((eye.z - length(way)) / field.wavelength + noise * (2 * random.uniform() - 1)));
+// What an eye sees in the middle plane from the middle of its box.
+const ViewTargets& middle_view(const TargetSet& targets, double wavelength, const Vec3& eye) {
+  std::vector<const ViewTargets*> of_eye;
+  for (const ViewTargets& view : targets.views)
+    if (view.wavelength == wavelength && view.pupils.front().centre == eye) of_eye.push_back(&view);
+  require(!of_eye.empty(), "expected views of the eye at {} at {}, got none", format_length(eye.z),
+          format_length(wavelength));
+  return *of_eye[of_eye.size() / 2];
+}
+
+// The amplitude of a view where a ray from the eye through a place of the panel meets its plane.
+float amplitude_behind(const ViewTargets& view, const Vec3& eye, const Vec2& place) {
+  const double along = (eye.z - view.z) / eye.z;
+  const Grid& picture = view.picture;
+  const auto nearest = [](double samples, int count) { return std::clamp(int(std::lround(samples)), 0, count - 1); };
+  const int column = nearest((eye.x + (place.x - eye.x) * along - picture.x(0)) / picture.pitch, picture.nx);
+  const int row = nearest((picture.y(0) - eye.y - (place.y - eye.y) * along) / picture.pitch, picture.ny);
+  return view.amplitudes.front()(row, column);
+}
+
+// A wave that converges to an eye, the frame's in turn, of a modulus of 1 or less: of the picture that the eye sees through each
+// place of the panel, if the panel can show it. Noise makes several frames differ.
+Field converging_field(const TargetSet& targets, const FrameOfMany& which, const Slm& slm, const EncodeParams& params,
+                       double wavelength) {
+  const bool has_modulus = shows_smooth_starts(slm, params);
+  const double noise = has_modulus ? which.frames > 1 ? 0.25 : 0 : 0.35;  // cycles, either way
+  const Vec3 eye = targets.eyes[size_t(which.frame) % targets.eyes.size()];
+  const ViewTargets& view = middle_view(targets, wavelength, eye);
+  Field field(slm.grid, wavelength);
+  parallel_for(0, slm.grid.ny, [&](int64_t j) {
+    for (int i = 0; i < slm.grid.nx; ++i) {
+      const Vec2 place{slm.grid.x(i), slm.grid.y(double(j))};
+      CounterRandom random(uint64_t(params.seed), uint32_t(which.frame), uint64_t(j * slm.grid.nx + i));
+      const double way = length(eye - Vec3{place.x, place.y, 0});
+      field.samples(int(j), i) =
+          (has_modulus ? amplitude_behind(view, eye, place) : 1.0F) *
+          std::complex<float>(cis_cycles((eye.z - way) / wavelength + noise * (2 * random.uniform() - 1)));
     }
   });
-  return pattern;
+  if (has_modulus) normalise_modulus(1e-2, {}, field);
+  return field;
 }
 
 }  // namespace
@@ -167,18 +191,18 @@ void write_start(const Array2D<std::complex<float>>& pattern, const PhaseLevels&
 
 void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOfMany& which, const Slm& slm,
                        const EncodeParams& params, const PhaseLevels& levels, Hologram& hologram) {
-  Field field(slm.grid, hologram.wavelength);
-  if (start == FrameStart::smooth) {
-    field = smooth_field(middle_plane(targets, hologram.wavelength), which, slm, params);
-    if (hologram.modulation == Modulation::phase)
+  const double wavelength = hologram.wavelength;
+  if (start == FrameStart::smooth || start == FrameStart::converging) {
+    Field field = start == FrameStart::smooth ? smooth_field(middle_plane(targets, wavelength), which, slm, params)
+                                              : converging_field(targets, which, slm, params, wavelength);
+    if (hologram.modulation == Modulation::phase && shows_smooth_starts(slm, params))
       return write_double_phase_levels(field, false, levels, hologram.level);
     return write_start(field.samples, levels, hologram);
   }
-  if (start == FrameStart::speckle) field = speckle_field(targets, hologram.wavelength, which, slm, params);
+  Field field(slm.grid, wavelength);
+  if (start == FrameStart::speckle) field = speckle_field(targets, wavelength, which, slm, params);
   field.frame = uint32_t(which.frame);
-  write_start(start == FrameStart::converging ? converging_pattern(targets.eyes, field, params, hologram.modulation)
-                                              : start_pattern(field, params, hologram.modulation),
-              levels, hologram);
+  write_start(start_pattern(field, params, hologram.modulation), levels, hologram);
 }
 
 }  // namespace holotrace

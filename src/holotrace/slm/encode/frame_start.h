@@ -14,7 +14,7 @@ enum class FrameStart {
   speckle,  ///< the middle plane's picture with random phases there, or of a single frame the phase 0; the panel shows
             ///< the field's phase. With views, which need light that spreads, phases are always random
   smooth,   ///< that picture with the phase of a plane wave, tilted for each frame; as double phases
-  converging,  ///< a wave that converges to an eye, with noise
+  converging,  ///< a wave that converges to an eye, with the modulus of what the eye sees; as double phases
 };
 
 /// Whether a panel shows smooth starts: it has complex modulation, or more than 4 levels of phase. With fewer levels double
