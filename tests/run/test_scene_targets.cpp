@@ -271,16 +271,16 @@ Job squares_for_an_eye() {
 TEST(Eyes, PupilsOfFewFramesAreNearerToTheEye) {
   Job job = squares_for_an_eye();
   job.render.paths = 1;
-  const SceneTargets targets = trace_targets(job);
+  const EyeLight traced = trace_targets(job).eyes.front();
+  const EyeLight light{traced.eye, light_for_pupil(traced.light, test_wavelength, 5e-4, traced.eye.z)};
   const double radius = 0.1e-3 + 0.5e-3 / 12;
   const auto mean_radius = [&](int frames) {
     job.trace.frames = frames;
     double sum = 0, most = 0;
     constexpr int draws = 400;
     for (int update = 0; update < draws; ++update) {
-      const Vec3 at =
-          draw_view_in_box(targets.eyes.front(), job, {0.02}, update, test_wavelength).pupils.front().centre;
-      const Vec3 aside = at - targets.eyes.front().eye;
+      const Vec3 at = draw_view_in_box(light, job, {0.02}, update, test_wavelength).pupils.front().centre;
+      const Vec3 aside = at - light.eye;
       most = std::max(most, length(aside));
       sum += length(aside);
     }

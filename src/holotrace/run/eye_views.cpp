@@ -106,6 +106,9 @@ Pupil camera_pupil(const Job& job) {
 
 ViewTargets views_of(const LightField& light, const Job& job, double distance, double wavelength,
                      const std::vector<Pupil>& pupils, const Grid& window, const Grid& picture) {
+  for (const Image& view : light.views)
+    require(view.channels == 1, "expected light of one wavelength for views of a pupil, got {} channels",
+            view.channels);
   ViewTargets views{-distance, wavelength, window, picture, pupils, {}};
   const double shared = view_wavelength(job.wavelengths, job.trace.has_common_cone);
   const Grid& panel = job.slm.grid;
