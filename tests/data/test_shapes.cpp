@@ -198,6 +198,52 @@ TEST(Shapes, ALatheKeepsCreasesAndSmoothsTheRest) {
   EXPECT_EQ(make_lathe({{1, 0}, {1, 1}, {1 - std::sin(sharp), 1 + std::cos(sharp)}}, 8).positions.size(), 4u * 9);
 }
 
+// The normals of a lathe whose profile is on a circle are the circle's, from the axis to the rim: to the third power of the
+// angle between points, here 0.06 of 0.08³ or less. A cap begins on the axis; a zone has two rims; steps grow by half.
+TEST(Shapes, ALatheOfACircleHasItsNormals) {
+  const auto on_circle = [](double angle) { return Vec2{std::sin(angle), -std::cos(angle)}; };
+  const auto expect_normals = [](const Mesh& mesh, double sign) {
+    for (size_t i = 0; i < mesh.positions.size(); ++i)
+      EXPECT_NEAR(length(mesh.normals[i] - sign * mesh.positions[i]), 0, 0.06 * std::pow(0.08, 3)) << i;
+  };
+  std::vector<Vec2> even, uneven{on_circle(0)};
+  for (int k = 0; k <= 10; ++k) even.push_back(on_circle(k * 0.08));
+  double angle = 0;
+  for (const double step : {0.04, 0.05, 0.08, 0.05, 0.06, 0.04}) uneven.push_back(on_circle(angle += step));
+  even[0].x = uneven[0].x = 0;
+  expect_normals(make_lathe(even, 8), 1);
+  expect_normals(make_lathe(uneven, 8), 1);
+  expect_normals(make_lathe({even.begin() + 2, even.begin() + 8}, 8), 1);
+  expect_normals(make_lathe({even[0], even[1]}, 8), 1);  // the axis alone tells that it is a cap
+}
+
+// A lens of two caps has a crease at its rim, and each face has its own sphere's normals there.
+TEST(Shapes, ALatheOfALensHasTheNormalsOfItsSpheresUpToTheRim) {
+  std::vector<Vec2> profile;
+  for (int k = 0; k <= 8; ++k) profile.push_back({std::sin(k * 0.05), -std::cos(k * 0.05) + std::cos(0.4)});
+  profile.front().x = 0;
+  for (int k = 7; k >= 0; --k) profile.push_back({profile[size_t(k)].x, -profile[size_t(k)].y});
+  const Mesh lens = make_lathe(profile, 8);
+  int on_rim = 0;
+  for (size_t i = 0; i < lens.positions.size(); ++i) {
+    const Vec3 p = lens.positions[i];
+    const bool is_rim = std::abs(p.y) < 1e-12;
+    on_rim += is_rim;
+    const double side = is_rim ? (lens.normals[i].y < 0 ? -1 : 1) : (p.y < 0 ? -1 : 1);
+    EXPECT_NEAR(length(lens.normals[i] - Vec3{p.x, p.y + side * std::cos(0.4), p.z}), 0, 1e-12) << i;
+  }
+  EXPECT_EQ(on_rim, 2 * 9);
+}
+
+// A cone keeps its tip, and a wall that meets a rounded edge of short steps stays straight at its far end.
+TEST(Shapes, ALatheKeepsTipsOfConesAndStraightWalls) {
+  const Mesh cone = make_lathe({{0, 1}, {1, 0}}, 8);
+  for (const Vec3& n : cone.normals) EXPECT_NEAR(n.y, std::sqrt(0.5), 1e-15);
+  const Mesh wall = make_lathe({{1, 0}, {1, 1}, {1 - 0.1 * std::sin(0.2), 1 + 0.1 * std::cos(0.2)}}, 8);
+  EXPECT_NEAR(wall.normals[0].y, 0, 1e-15);
+  EXPECT_NEAR(wall.normals[9].y, std::sin(0.1), 1e-15);
+}
+
 TEST(Shapes, AnExtrusionOfAConcaveOutlineHasItsVolumeEitherWayRound) {
   // An L of three unit squares.
   std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};

@@ -9,6 +9,72 @@
 
 namespace holotrace {
 
+namespace {
+
+// A step of a lathe's profile, with normals (radial, axial): its own, and those of the surface at its ends.
+struct Step {
+  double length = 0;
+  Vec2 normal, start, end;
+};
+
+double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+
+// Steps that meet at an angle of 30° or less, and of like lengths, are chords of one curve. A chord has the normal of the
+// middle of its arc, and normals turn evenly along a circle: so the normal where two chords meet is the mean of theirs with
+// the other's length as weight, and at the end of a curve the normal is that of the last chord's other end, reflected.
+// Where a long step meets a short one, as a wall meets a rounded edge, it is the plain mean, and ends keep the step's own normal.
+std::vector<Step> steps_of_profile(const std::vector<Vec2>& profile) {
+  std::vector<Step> steps(profile.size() - 1);
+  for (size_t k = 0; k < steps.size(); ++k) {
+    const double dr = profile[k + 1].x - profile[k].x, dh = profile[k + 1].y - profile[k].y;
+    const double length = std::hypot(dr, dh);
+    steps[k] = {length, {dh / length, -dr / length}, {}, {}};
+  }
+  const bool closed = steps.size() > 2 && profile.front() == profile.back();
+  // On the axis, a step meets its own mirror image.
+  const auto mirrored = [](Step step) {
+    step.normal.x = -step.normal.x;
+    return step;
+  };
+  const auto are_alike = [](const Step& a, const Step& b) {
+    return std::max(a.length, b.length) <= 2 * std::min(a.length, b.length);
+  };
+  struct Joint {
+    bool is_smooth = false, is_curve = false;
+    Vec2 normal;
+  };
+  const auto join = [&](const Step& step, const Step& other) -> Joint {
+    if (dot(step.normal, other.normal) < std::cos(pi / 6) - 1e-12) return {};
+    const bool is_curve = are_alike(step, other);
+    const double a = is_curve ? other.length : 1, b = is_curve ? step.length : 1;
+    const Vec2 mean{a * step.normal.x + b * other.normal.x, a * step.normal.y + b * other.normal.y};
+    const double size = std::hypot(mean.x, mean.y);
+    return {true, is_curve, {mean.x / size, mean.y / size}};
+  };
+  const auto joint_at = [&](size_t k, size_t point, bool is_end, size_t next) -> Joint {
+    if (profile[point].x == 0) return join(steps[k], mirrored(steps[k]));
+    return is_end && !closed ? Joint{} : join(steps[k], steps[next]);
+  };
+  for (size_t k = 0; k < steps.size(); ++k) {
+    Step& step = steps[k];
+    const size_t last = steps.size() - 1;
+    const Joint before = joint_at(k, k, k == 0, k > 0 ? k - 1 : last);
+    const Joint after = joint_at(k, k + 1, k == last, k < last ? k + 1 : 0);
+    const auto normal_at = [&](const Joint& here, const Joint& there) {
+      if (here.is_smooth) return here.normal;
+      if (!there.is_curve) return step.normal;
+      const double twice = 2 * dot(step.normal, there.normal);
+      return Vec2{twice * step.normal.x - there.normal.x, twice * step.normal.y - there.normal.y};
+    };
+    const bool goes_on = k > 0 && before.is_smooth && profile[k].x > 0;
+    step.start = goes_on ? steps[k - 1].end : normal_at(before, after);
+    step.end = normal_at(after, before);
+  }
+  return steps;
+}
+
+}  // namespace
+
 Mesh make_quad(double width, double height) {
   check_side(width, "a quad", "width");
   check_side(height, "a quad", "height");
@@ -71,15 +137,9 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
   if (volume < 0) std::reverse(profile.begin(), profile.end());
 
   const size_t steps = profile.size() - 1;
-  const bool closed = steps > 2 && profile.front() == profile.back();
-  std::vector<Vec2> normals(steps);  // normal (radial, axial) of each step of the profile
-  std::vector<double> along{0};      // arc length at each point
-  for (size_t k = 0; k < steps; ++k) {
-    const double dr = profile[k + 1].x - profile[k].x, dh = profile[k + 1].y - profile[k].y;
-    const double step = std::hypot(dr, dh);
-    normals[k] = {dh / step, -dr / step};
-    along.push_back(along.back() + step);
-  }
+  const std::vector<Step> sides = steps_of_profile(profile);
+  std::vector<double> along{0};  // arc length at each point
+  for (const Step& side : sides) along.push_back(along.back() + side.length);
 
   std::vector<double> sine(size_t(segments) + 1), cosine(size_t(segments) + 1);
   for (int s = 0; s < segments; ++s) {
@@ -100,21 +160,11 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
     }
     return first;
   };
-  const double smooth = std::cos(pi / 6);
-  // The normal at the end of step k that touches step `other`: the mean of both, or the step's own at a crease.
-  const auto joint = [&](size_t k, size_t other) {
-    const Vec2 a = normals[k], b = normals[other];
-    if (a.x * b.x + a.y * b.y < smooth - 1e-12) return a;
-    const double size = std::hypot(a.x + b.x, a.y + b.y);
-    return Vec2{(a.x + b.x) / size, (a.y + b.y) / size};
-  };
   uint32_t upper = 0;
   for (size_t k = 0; k < steps; ++k) {
-    const size_t before = k > 0 ? k - 1 : (closed ? steps - 1 : k), after = k + 1 < steps ? k + 1 : (closed ? 0 : k);
-    const Vec2 start = joint(k, before);
-    const bool shared = k > 0 && !(start == normals[k] && !(normals[before] == normals[k]));
-    const uint32_t lower = shared ? upper : add_ring(k, start);
-    upper = add_ring(k + 1, joint(k, after));
+    const bool shared = k > 0 && sides[k].start == sides[k - 1].end;
+    const uint32_t lower = shared ? upper : add_ring(k, sides[k].start);
+    upper = add_ring(k + 1, sides[k].end);
     for (uint32_t s = 0; s < uint32_t(segments); ++s) {
       if (profile[k].x > 0) mesh.triangles.push_back({lower + s, lower + s + 1, upper + s + 1});
       if (profile[k + 1].x > 0) mesh.triangles.push_back({lower + s, upper + s + 1, upper + s});

@@ -34,7 +34,8 @@ Mesh make_box(Vec3 size);
 Mesh make_sphere(double size, int segments);
 
 /// The surface of revolution of a profile of (radius, height) pairs [m] about the y axis, in `segments`
-/// steps. Normals are smooth except where the profile turns by more than 30°.
+/// steps. Normals are smooth except where the profile turns by more than 30°; those of points on a circle, the axis and
+/// the rim among them, are the circle's.
 /// @throws Error unless there are two or more profile points, radii ≥ 0 and segments ≥ 3.
 Mesh make_lathe(const std::vector<Vec2>& profile, int segments);
 
