@@ -65,6 +65,21 @@ TEST(PupilPicture, EvenLightStaysEvenForCellsSmallAndLarge) {
     }
 }
 
+// A pupil in the lens whose sides are on borders of cells: all pixels have the same footprint, whatever rounding does to it.
+TEST(PupilPicture, OnBordersOfCellsIsTheSameForAllPixels) {
+  LightField field = even_field(16, 16, [](int i, int j) { return 1 + i + 20 * j; });
+  field.panel = {256, 256, 8e-6};
+  field.lens = {16, 16, 64e-6};
+  field.lens_z = 0.1;
+  const Grid pixels{97, 61, 0.37e-6};
+  for (int k = -4; k <= 4; ++k) {
+    const PupilPicture picture =
+        picture_through(field, green_light, pixels, 0.2, {{k * 64e-6, -k * 64e-6, 0.1}, 6 * 64e-6});
+    // The centre is the border between cells 7 + k and 8 + k of each axis.
+    for (const float value : picture.radiance.values) ASSERT_NEAR(value, 1 + 21 * (7.5 + k), 1e-3) << k;
+  }
+}
+
 TEST(PupilPicture, CellsCountByTheirPartOfTheFootprint) {
   // Each pixel's rays to the pupil, counted on a raster: the fraction that leaves each cell, times its radiance.
   const auto value = [](int column, int row) { return 1 + column + 10 * row; };

@@ -46,7 +46,9 @@ struct Geometry {
 bool is_same_for_all(const Geometry& geometry) { return geometry.share == 1; }
 
 AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel) {
-  const double centre = pixel + (axis.eye - pixel) * geometry.share;
+  const bool is_same = is_same_for_all(geometry);
+  // Rounding must not give pixels of one footprint different cells.
+  const double centre = is_same ? axis.eye : pixel + (axis.eye - pixel) * geometry.share;
   const auto on_lens = [&](double side) { return pixel + (side - pixel) * geometry.beyond_panel; };
   const double lens_high = axis.lens_low + axis.cell * axis.cells;
   const double low_open = std::max({axis.lens_low, pixel - geometry.reach, on_lens(axis.panel_low)});
@@ -54,7 +56,6 @@ AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel
   AxisCells result;
   if (!(std::max(low_open, centre - geometry.radius) < std::min(high_open, centre + geometry.radius))) return result;
   // What cuts the footprint of this pixel: nothing but the lens if all pixels have the same one, whose areas are found once.
-  const bool is_same = is_same_for_all(geometry);
   const double low = std::max(is_same ? axis.lens_low : low_open, centre - geometry.radius);
   const double high = std::min(is_same ? lens_high : high_open, centre + geometry.radius);
   result.first = std::clamp(int((low - axis.lens_low) / axis.cell), 0, axis.cells - 1);
