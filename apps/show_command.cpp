@@ -25,7 +25,7 @@
 namespace holotrace {
 namespace {
 
-// Adds what a PNG without its sidecar does not contain.
+// Adds what a PNG without metadata does not contain.
 void complete(const std::string& path, const Slm& slm, double wavelength, Hologram& hologram) {
   if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
   if (hologram.wavelength == 0) hologram.wavelength = wavelength;
@@ -114,6 +114,7 @@ void add_show_command(Command& app, const GlobalFlags& global) {
           "distance between two eyes along x, about --eye: adds NAME_left, NAME_right and NAME_anaglyph at the "
           "first distance; needs a pupil [0 m: none]")
       ->type_name("LENGTH");
+  o->flags.add(*command, HologramParams(), {}, "Holograms of other programs");
   o->flags.add(*command, ShowParams());
   const std::string kept = "as the first hologram's run";
   o->flags.add(*command, CameraParams(), {}, "", {{"distances", kept}, {"pupil", kept}, {"eye", kept}});
@@ -151,10 +152,15 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     const HologramSeries holograms{
         inputs.size(), [&](size_t i) {
           const std::string& path = inputs[i];
-          Hologram hologram = load_hologram(path);
+          HologramParams given;
+          Hologram hologram = load_hologram(path, [&](HologramParams& of_file) {
+            o->flags.apply(of_file);
+            given = of_file;
+          });
           Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
           complete(path, slm, params.wavelength, hologram);
           if (o->slm.empty()) slm.grid = hologram.grid;
+          if (given.range > 0) slm.phase_range = given.range;
           return PanelHologram{std::move(hologram), std::move(slm)};
         }};
     const SeriesViews seen = view_holograms(holograms, {params, propagation, camera, from}, report, console.stages());

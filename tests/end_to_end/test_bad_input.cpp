@@ -108,16 +108,11 @@ TEST(BadInput, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
   });
 }
 
-TEST(BadInput, ObjectsInFrontOfThePanelAreRefused) {
-  expect_scene_errors({
-      {"0.3 0.1 -30 mm", "0.3 0.1 30 mm", {"behind the panel", "z < 0", "negative z"}},
-      {"0.3 0.1 -30 mm", "0.3 0.1 0 mm", {"behind the panel", "z < 0"}},
-      {"-0.5 0 -29 mm", "-0.5 0 29 mm", {"behind the panel", "z < 0"}},
-  });
+TEST(BadInput, PointsOnThePanelAreRefused) {
   const Workplace work;
-  work.write("points.ply", point_file({{{0, 0, -0.1}}, {{0, 0, 0.1}}}));
+  work.write("points.ply", point_file({{{0, 0, -0.1}}, {{0, 0, 0}}}));
   work.write("scene.toml", scene_head() + points_object());
-  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"behind the panel", "100 mm"});
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"behind the panel", "in front of it", "z = 0 m"});
 }
 
 TEST(BadInput, AnEmptySceneIsRefused) {

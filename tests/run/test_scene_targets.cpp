@@ -64,20 +64,47 @@ TEST(SceneTargets, PlanesGoOneDepthOfFocusBeyondTheSceneAndIncludeThoseOfTheCame
   EXPECT_THROW(target_distances_of(job), Error);
 }
 
-// From 1/0.02 m to 1/0.024 m there are 8.33/m, or 12.8 depths of focus; from 1/0.01 m 58.3/m, or 89.9. Drafts have one frame for
-// up to 40, and four for deeper scenes.
+// From 1/0.02 m to 1/0.024 m there are 8.33/m, or 12.8 depths of focus. Nearer than w/(2·tan θ) = 19.24 mm points have light of a
+// part of the panel, and the depth of focus is λ/(2·tan²θ) = 0.2404 mm: 38.44 of them from there to 10 mm, and 15.88 from there to
+// 24 mm. Drafts have one frame for up to 40, and four for deeper scenes.
 TEST(SceneTargets, DraftsOfDeepScenesHaveSeveralFrames) {
   Job job = two_squares();
   EXPECT_NEAR(depth_of_scene(job), 8.33 / depth_of_focus, 0.1);
   EXPECT_EQ(choose_missing(job).trace.frames, 1);
   for (Vec3& position : job.scene.meshes.front().positions) position.z = -0.01;
-  EXPECT_NEAR(depth_of_scene(job), 58.33 / depth_of_focus, 0.1);
+  EXPECT_NEAR(depth_of_scene(job), 38.44 + 15.88, 0.1);
   const Job chosen = choose_missing(job);
   EXPECT_EQ(chosen.trace.frames, 4);
   job.encode.quality = Quality::good;
   EXPECT_EQ(choose_missing(job).trace.frames, 8);
   job.scene = {};
   EXPECT_EQ(depth_of_scene(job), 0);
+}
+
+// Depths in front of the panel are negative, and the scale is odd: planes through a scene and through its mirror image are the same
+// but for their sign. A scene through the panel has planes on both sides, no farther apart than the depth of focus.
+TEST(SceneTargets, PlanesGoThroughScenesInFrontOfThePanel) {
+  Job behind = two_squares();
+  behind.encode.planes = 100;
+  Job front = behind;
+  for (Mesh& mesh : front.scene.meshes)
+    for (Vec3& p : mesh.positions) p.z *= -1;
+  front.camera.distances = {-0.02};
+  std::vector<double> mirrored = target_distances_of(behind);
+  std::reverse(mirrored.begin(), mirrored.end());
+  const std::vector<double> distances = target_distances_of(front);
+  ASSERT_EQ(distances.size(), mirrored.size());
+  for (size_t i = 0; i < distances.size(); ++i) EXPECT_NEAR(distances[i], -mirrored[i], 1e-9);
+
+  Job through = behind;
+  for (Vec3& p : through.scene.meshes.front().positions) p.z = 1e-3;
+  for (Vec3& p : through.scene.meshes.back().positions) p.z = -2e-3;
+  through.camera.distances = {-1e-3, 2e-3};
+  const std::vector<double> both = target_distances_of(through);
+  EXPECT_LT(both.front(), -1e-3);
+  EXPECT_GT(both.back(), 2e-3);
+  for (size_t i = 1; i < both.size(); ++i)
+    EXPECT_LE(both[i] - both[i - 1], 0.2404e-3 * 1.11);  // the camera's planes move some
 }
 
 TEST(SceneTargets, WarnOfPlanesThatAreFartherApartThanTheDepthOfFocus) {

@@ -397,14 +397,58 @@ TEST(FocalStack, RefusesPlanesThatCannotBe) {
   };
   EXPECT_EQ(error({}),
             "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");
-  for (const double distance : {0.0, -0.3, std::nan(""), double(INFINITY)})
-    EXPECT_NE(error({{0.3, distance}, {}}).find("expected a length above 0 m for a plane of the focal stack"),
-              std::string::npos)
+  for (const double distance : {0.0, std::nan(""), double(INFINITY)})
+    EXPECT_NE(error({{0.3, distance}, {}}).find("expected planes of a focal stack beside the panel"), std::string::npos)
         << distance;
   EXPECT_NE(error({{}, LightFieldParams{0, 1, 0.3, {}}}).find("expected 1 to 32 columns and 1 to 24 rows of cells"),
             std::string::npos);
   EXPECT_NE(error({{}, LightFieldParams{1, 1, 0.0, {}}}).find("for the plane of the light field"), std::string::npos);
   EXPECT_NE(error({{}, LightFieldParams{32, 24, 0.3, Grid{40000, 40000, 1e-6}}}).find("memory"), std::string::npos);
+}
+
+// A line from the panel to a place behind it is, mirrored, the line to the place's mirror image in front. So pictures of things
+// that shine are those of their mirror images, in planes in front of the panel.
+TEST(FocalStack, OfThingsInFrontOfThePanelIsThatOfTheirMirrorImage) {
+  const Scene behind = make_rectangle({-0.05_mm, 0.08_mm}, {-0.03_mm, 0.06_mm}, 6_mm);
+  Scene front = behind;
+  for (Vec3& p : front.meshes[0].positions) p.z *= -1;
+  const RenderParams params{.paths = 8};
+  const FocalStack a = trace_focal_stack(behind, stack_panel, green_light, {6_mm, 9_mm}, params);
+  const FocalStack b = trace_focal_stack(front, stack_panel, green_light, {-6_mm, -9_mm}, params);
+  double light = 0;
+  for (size_t p = 0; p < 2; ++p)
+    for (size_t i = 0; i < a.pictures[p].values.size(); ++i) {
+      ASSERT_NEAR(a.pictures[p].values[i], b.pictures[p].values[i], 1e-6) << p << " " << i;
+      light += a.pictures[p].values[i];
+    }
+  EXPECT_GT(light, 100);
+  RenderParams of_panel{
+      .columns = 32, .rows = 32, .field_of_view = 0.02, .lens = Lens::panel, .focus = 6_mm, .paths = 8};
+  const Image seen = render(behind, stack_panel, green_light, of_panel);
+  of_panel.focus = -6_mm;
+  const Image seen_in_front = render(front, stack_panel, green_light, of_panel);
+  for (size_t i = 0; i < seen.values.size(); ++i) ASSERT_NEAR(seen.values[i], seen_in_front.values[i], 1e-6) << i;
+}
+
+// A viewer sees what is in front of the panel before what is behind it, and an eye does not see what is behind it itself.
+TEST(FocalStack, ThingsInFrontHideThoseBehind) {
+  Scene scene = make_rectangle({-1_mm, 1_mm}, {-1_mm, 1_mm}, 6_mm);
+  scene.materials.push_back(grey(0, 0));
+  scene.meshes.push_back(make_wall(3_mm, 1_mm, 1_mm, 1));
+  const auto mean = [&](const RenderParams& params) {
+    const Image image = render(scene, stack_panel, green_light, params);
+    double sum = 0;
+    for (const float v : image.values) sum += v;
+    return sum / double(image.values.size());
+  };
+  RenderParams params{.rows = 8, .field_of_view = 0.01, .lens = Lens::panel, .focus = 6_mm, .paths = 4};
+  EXPECT_EQ(mean(params), 0);
+  params.lens = Lens::pinhole;
+  EXPECT_EQ(mean(params), 0);  // through the panel's centre
+  params.eye = {0, 0, 2_mm};   // between the panel and the wall
+  EXPECT_NEAR(mean(params), 1, 1e-6);
+  params.eye = {0, 0, 5_mm};
+  EXPECT_EQ(mean(params), 0);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/trace/waves/source_phase.h"
+#include "holotrace/wave/sum_exact.h"
 #include "trace/scenes.h"
 
 namespace holotrace {
@@ -18,6 +19,38 @@ const Grid gathered_panel{64, 48, 8e-6};
 const std::vector<double> green{green_light};
 
 double mean_intensity(const Field& field) { return power(field) / (double(field.grid.pixels()) * 64e-12); }
+
+// Luminous points on both sides of the panel, and a card 10 mm in front of it that hides from the viewer those that are behind it.
+// The points' waves, summed, are what each pixel gathers.
+TEST(Gather, PointsOnBothSidesAreThoseOfTheSum) {
+  Scene scene;
+  scene.materials = {grey(0, 0)};
+  scene.meshes = {make_test_quad({0.15_mm, 0, 10_mm}, {0.15_mm, 0, 0}, {0, 1_mm, 0})};
+  scene.points = {{{-0.1_mm, 0.05_mm, -15_mm}, 1, 0.3F},
+                  {{0.1_mm, -0.1_mm, 20_mm}, 2, 1},     // before the card
+                  {{-0.3_mm, 0.1_mm, 8_mm}, 1.5F, 2}};  // beside it
+  const TraceParams params{.pixel_samples = 1, .paths = 1, .phase = SourcePhase::constant};
+  const Field gathered = gather(scene, gathered_panel, green, params).at(0);
+  TraceParams shared = params;
+  shared.samples = 1;
+  shared.tile_columns = 64, shared.tile_rows = 48;
+  shared.strategy = Strategy::tiled;
+  const Sources sources = trace(scene, gathered_panel, green_light, shared);
+  ASSERT_EQ(sources.waves.size(), 3u);
+  const FieldDouble summed = sum_exact(sources, gathered_panel);
+  double error = 0, energy = 0;
+  for (size_t i = 0; i < summed.samples.size(); ++i) {
+    error += std::norm(std::complex<double>(gathered.samples.values[i]) - summed.samples.values[i]);
+    energy += std::norm(summed.samples.values[i]);
+  }
+  EXPECT_LT(std::sqrt(error / energy), 1e-6);
+  // The card is between the viewer and the point behind the panel for some pixels, and not for others.
+  const size_t first = 0, pixels = gathered_panel.pixels();
+  size_t hidden = 0;
+  for (size_t tile = 0; tile < pixels; ++tile) hidden += sources.tiles.values[tile * 3 + first] == 0;
+  EXPECT_GT(hidden, pixels / 10);
+  EXPECT_LT(hidden, pixels * 9 / 10);
+}
 
 TEST(Gather, IndependentPhasesBringTheIrradianceOfTheAcceptance) {
   // Cells of 1 nm: every ray has its own phase.

@@ -188,8 +188,12 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   scene.lights = {PointLight{{0, 0, -0.1}, {1, 1, 1}}};
   Record behind_glass;
   trace(scene, traced_panel, green_light, params, behind_glass.observer);
-  ASSERT_EQ(behind_glass.warnings.size(), 1u);
-  EXPECT_EQ(behind_glass.warnings[0],
+  ASSERT_EQ(behind_glass.warnings.size(), 2u);
+  EXPECT_EQ(
+      behind_glass.warnings[0],
+      "the light of point, spot and directional lights that curved mirrors or glass throw on other surfaces (caustics) is "
+      "left out; use rectangle lights, which paths find by themselves");
+  EXPECT_EQ(behind_glass.warnings[1],
             "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; solid "
             "glass casts a shadow in the light of points, spots, beams and the sun: light what it covers by "
             "rectangles, emission, a background or an environment");

@@ -6,6 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "holotrace/wave/sum_exact.h"
@@ -33,10 +34,11 @@ FieldDouble closed_form(const Sources& sources, const Grid& grid) {
       for (const Source& s : sources.waves) {
         const long double dx = (i - (grid.nx - 1) / 2.0L) * grid.pitch - s.origin.x;
         const long double dy = ((grid.ny - 1) / 2.0L - j) * grid.pitch - s.origin.y;
-        const long double d = -s.origin.z, r = std::sqrt(dx * dx + dy * dy + d * d);
+        const long double d = std::abs(s.origin.z), r = std::sqrt(dx * dx + dy * dy + d * d);
+        const long double sign = s.origin.z < 0 ? 1 : -1;  // waves to points in front of the panel converge
         const long double radius = d * std::tan(std::asin(sources.wavelength / (2 * (long double)grid.pitch)));
         if (std::abs(dx) > radius || std::abs(dy) > radius) continue;
-        sum += std::polar(s.amplitude * d / r, std::fmod(r / sources.wavelength, 1.0L) * tau + s.phase);
+        sum += std::polar(s.amplitude * d / r, sign * std::fmod(r / sources.wavelength, 1.0L) * tau + s.phase);
       }
       field.samples(j, i) = std::complex<double>(sum);
     }
@@ -49,6 +51,63 @@ double phase_at(const Sources& sources, double x, double y) {
   const PreparedWave wave = prepare_wave(sources.waves[0], {1, 1, 8_um}, sources.wavelength);
   const double phase = std::arg(wave_at(wave, x, y, sources.wavelength));
   return phase < 0 ? phase + 2 * pi : phase;
+}
+
+// 300 waves of random phases, every third one to a point in front of the panel. Boxes cut some of them.
+Sources waves_on_both_sides(const Grid& grid) {
+  Sources sources = make_random_sources(300, grid, green, 5_mm, 60_mm);
+  for (size_t i = 0; i < sources.waves.size(); i += 3) sources.waves[i].origin.z *= -1;
+  return sources;
+}
+
+TEST(BothSides, EveryMethodSumsThemWithinItsTolerance) {
+  const Grid grid{96, 80, 8_um};
+  const Sources sources = waves_on_both_sides(grid);
+  const FieldDouble expected = closed_form(sources, grid);
+  EXPECT_LT(relative_error(sum_exact(sources, grid), expected), 1e-7);  // cycles in double, phases in float
+  for (const SynthesisMethod method :
+       {SynthesisMethod::exact, SynthesisMethod::tiled, SynthesisMethod::planes, SynthesisMethod::automatic}) {
+    const Field field = synthesize(sources, grid, {.method = method, .tolerance = 1e-3});
+    EXPECT_LT(relative_error(field, expected), 1e-3) << method_name(method);
+    EXPECT_GT(relative_error(field, closed_form(sides_of(sources).behind, grid)), 0.1);
+  }
+}
+
+// The waves of one side are those of the whole set with the other's amplitudes at 0, tile by tile.
+TEST(BothSides, KeepTheirAmplitudesInTiles) {
+  const Grid grid{64, 64, 8_um};
+  Sources sources = waves_on_both_sides(grid);
+  const size_t count = sources.waves.size();
+  sources.tiles = {2, 1, std::vector<float>(2 * count)};
+  for (size_t i = 0; i < count; ++i) {
+    sources.tiles.values[i] = 1;
+    sources.tiles.values[count + i] = float(i % 5);
+  }
+  FieldDouble expected(grid, green);
+  for (const int tile : {0, 1}) {
+    Sources one = sources;
+    one.tiles = {};
+    for (size_t i = 0; i < count; ++i) one.waves[i].amplitude = sources.tiles.values[size_t(tile) * count + i];
+    const FieldDouble field = closed_form(one, grid);
+    for (int j = 0; j < grid.ny; ++j)
+      for (int i = 32 * tile; i < 32 * (tile + 1); ++i) expected.samples(j, i) = field.samples(j, i);
+  }
+  EXPECT_LT(relative_error(sum_exact(sources, grid), expected), 1e-7);
+}
+
+// A wave to a point 30 mm in front of the panel has its focus there: the middle of an Airy-like spot of a square panel, whose
+// half width λz/w is 21 µm; samples are 8 µm apart.
+TEST(BothSides, AWaveToAPointInFrontHasItsFocusThere) {
+  const Grid grid{96, 96, 8_um};
+  const Field field = synthesize({green, {{{80_um, -40_um, 30_mm}, 1, 0}}}, grid, {});
+  const Field there = propagate(field, 30_mm), behind = propagate(field, -30_mm);
+  size_t brightest = 0;
+  for (size_t i = 0; i < there.samples.size(); ++i)
+    if (std::norm(there.samples.values[i]) > std::norm(there.samples.values[brightest])) brightest = i;
+  EXPECT_NEAR(grid.x(double(brightest % 96)), 80_um, 4.1_um);
+  EXPECT_NEAR(grid.y(double(brightest / 96)), -40_um, 4.1_um);
+  // On the other side the light is spread over more than the panel: 1/30 of the focus.
+  for (const auto& u : behind.samples.values) EXPECT_LT(std::norm(u), std::norm(there.samples.values[brightest]) / 30);
 }
 
 // closed_forms.md section 5, case 1; the digits given there: 1e-7.

@@ -38,10 +38,7 @@ void check_sources(const Sources& sources) {
     require(is_finite(s.origin) && std::isfinite(s.amplitude) && std::isfinite(s.phase),
             "expected finite numbers in source {}, got origin ({}, {}, {}) m, amplitude {}, phase {}", j, s.origin.x,
             s.origin.y, s.origin.z, s.amplitude, s.phase);
-    if (!(s.origin.z < 0))  // the length is formatted only then: there may be a million sources
-      fail(
-          "expected source {} behind the panel (z < 0), got z = {}; move the scene to negative z, the viewer's far side",
-          j, format_length(s.origin.z));
+    require(s.origin.z != 0, "expected source {} behind the panel (z < 0) or in front of it (z > 0), got z = 0 m", j);
   }
   const TileAmplitudes& tiles = sources.tiles;
   require((tiles.columns == 0 && tiles.rows == 0) || (tiles.columns > 0 && tiles.rows > 0),
@@ -55,6 +52,14 @@ void check_sources(const Sources& sources) {
   require(sources.phase_keys.empty() || sources.phase_keys.size() == sources.waves.size(),
           "expected a phase key for each of {} waves, or none, got {}", sources.waves.size(),
           sources.phase_keys.size());
+}
+
+void check_sources_behind(const Sources& sources) {
+  check_sources(sources);
+  for (size_t j = 0; j < sources.waves.size(); ++j)
+    if (!(sources.waves[j].origin.z < 0))  // the length is formatted only then: there may be a million sources
+      fail("expected source {} behind the panel (z < 0), got z = {}; synthesize sums waves from both sides", j,
+           format_length(sources.waves[j].origin.z));
 }
 
 namespace {
@@ -76,9 +81,6 @@ void check_mesh(const Mesh& mesh, const std::vector<Material>& materials) {
     require(is_finite(p), "expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", mesh.name, p.x,
             p.y, p.z, i);
   }
-  require(std::any_of(mesh.positions.begin(), mesh.positions.end(), [](Vec3 p) { return p.z < 0; }),
-          "expected mesh \"{}\" behind the panel (z < 0), got all of it in front; move the object to negative z",
-          mesh.name);
   const size_t count = mesh.positions.size();
   require(mesh.normals.empty() || mesh.normals.size() == count, "expected {} normals in mesh \"{}\", got {}", count,
           mesh.name, mesh.normals.size());
@@ -114,9 +116,7 @@ void check_scene(const Scene& scene) {
     require(is_finite(p.position) && std::isfinite(p.amplitude) && std::isfinite(p.phase),
             "expected finite numbers in point {}, got position ({}, {}, {}) m, amplitude {}, phase {}", i, p.position.x,
             p.position.y, p.position.z, p.amplitude, p.phase);
-    if (!(p.position.z < 0))
-      fail("expected point {} behind the panel (z < 0), got z = {}; move the object to negative z", i,
-           format_length(p.position.z));
+    require(p.position.z != 0, "expected point {} behind the panel (z < 0) or in front of it (z > 0), got z = 0 m", i);
   }
 }
 

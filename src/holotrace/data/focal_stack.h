@@ -11,7 +11,7 @@ namespace holotrace {
 /// pixel is the mean radiance of the rays that leave the panel and, followed backwards, cross the pixel.
 struct FocalStack {
   Grid grid;                      ///< pixels of every plane, centred on the axis, with the panel's pitch
-  std::vector<double> distances;  ///< distances of the planes from the panel [m], > 0: behind the panel
+  std::vector<double> distances;  ///< distances of the planes from the panel [m], positive behind the panel, negative in front of it
   std::vector<Image> pictures;    ///< linear radiance [W/m²/sr], one per plane, 1 or 3 channels, shape of `grid`
 };
 

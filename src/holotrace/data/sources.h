@@ -8,13 +8,13 @@
 
 namespace holotrace {
 
-/// A spherical wave that leaves a point behind the panel:
+/// A spherical wave that leaves a point behind the panel, or converges to a point in front of it:
 ///
-///     U(p) = a · (d₀/r) · exp(i(2πr/λ + φ₀)),   r = ‖p − o‖,  d₀ = −o.z     (Eq. 5, 6)
+///     U(p) = a · (d₀/r) · exp(i(±2πr/λ + φ₀)),   r = ‖p − o‖,  d₀ = |o.z|,  + for o.z < 0, − for o.z > 0     (Eq. 5, 6)
 ///
 /// a is its amplitude on the panel at normal incidence.
 struct Source {
-  Vec3 origin;          ///< o [m], z < 0
+  Vec3 origin;          ///< o [m], z < 0 or z > 0
   float amplitude = 0;  ///< a [√(W/m²)]
   float phase = 0;      ///< φ₀ [rad]
   bool operator==(const Source&) const = default;
@@ -56,9 +56,22 @@ double random_phase(uint64_t seed, uint32_t frame, uint64_t key);
 /// Cost: one hash per wave, so a further frame needs no tracing.
 void set_frame(Sources& sources, uint32_t frame);
 
-/// @throws Error, naming the first invalid wave, unless every number is finite, every wave is
-///         behind the panel (z < 0), and the numbers of tile amplitudes and phase keys match the number of waves.
+/// @throws Error, naming the first invalid wave, unless every number is finite, no wave starts on the panel (z = 0),
+///         and the numbers of tile amplitudes and phase keys match the number of waves.
 void check_sources(const Sources& sources);
+
+/// @throws Error as check_sources does, and for the first wave that is not behind the panel
+void check_sources_behind(const Sources& sources);
+
+/// Whether any wave converges to a point in front of the panel.
+bool has_waves_in_front(const Sources& sources);
+
+/// Waves by the side of the panel. Those from in front are mirrored: a wave that converges to (x, y, z) is on the panel the
+/// conjugate of the one that leaves (x, y, −z) with the phase −φ₀.
+struct SourceSides {
+  Sources behind, mirrored;
+};
+SourceSides sides_of(const Sources& sources);
 
 /// @throws Error unless the acceptance wavelength of waves is 0 (their own) or at most their own [m]
 void check_cone(double cone_wavelength, double wavelength);

@@ -32,7 +32,9 @@ std::string text_in(const Json& json, const char* key) {
   return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
 }
 
-std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
+std::string percent(double fraction) {
+  return fraction < 0.0995 ? fmt::format("{:.2g} %", 100 * fraction) : fmt::format("{:.0f} %", 100 * fraction);
+}
 
 std::string nearness_in(const Json& stage) {
   const auto psnr = number_in(stage, "psnr_db");

@@ -1,5 +1,6 @@
 #include "holotrace/io/report_file.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -84,7 +85,7 @@ std::optional<RenderOfView> render_of_view(const std::string& view) {
       return std::nullopt;
     }
     const ViewPlace& p = found.place;
-    if (p.render < 1 || p.wavelengths.empty() || !(p.half_tangent > 0) || !(p.distance > 0) || !(p.pixel > 0))
+    if (p.render < 1 || p.wavelengths.empty() || !(p.half_tangent > 0) || !(std::abs(p.distance) > 0) || !(p.pixel > 0))
       return std::nullopt;
     found.path = numbered_path((folder / run_render).string(), size_t(p.render - 1));
     if (!is_recorded(view) || !is_recorded(found.path)) return std::nullopt;

@@ -98,10 +98,10 @@ Encoding method_of_waves(const Slm& slm) {
 Vec2 half_tangents_of_views(const Job& job) {
   Vec2 half{0, 0};
   for (const double distance : job.camera.distances) {
-    if (distance <= 0) continue;
+    if (distance == 0) continue;
     const double m = magnification(job.camera, distance, job.encode.image);
     const auto tangent = [&](double side, double panel_side, double centre) {
-      return ((side > 0 ? side / m : panel_side) / 2 + std::abs(centre / m)) / distance;
+      return ((side > 0 ? side / m : panel_side) / 2 + std::abs(centre / m)) / std::abs(distance);
     };
     half.x = std::max(half.x, tangent(job.camera.width, job.slm.grid.width(), job.camera.centre_x));
     half.y = std::max(half.y, tangent(job.camera.height, job.slm.grid.height(), job.camera.centre_y));

@@ -38,7 +38,7 @@ PlanePart covered_part(const Vec3& eye, const EncodeParams& params) {
 // Width and height about the axis of what a pupil somewhere in that part sees of the plane at a distance.
 Vec2 seen_size(const Grid& panel, const PlanePart& part, double z, double distance) {
   const auto side = [&](double panel_side, double low, double high) {
-    return panel_side * (distance + z) / z + 2 * std::max(std::abs(low), std::abs(high)) * distance / z;
+    return panel_side * (distance + z) / z + 2 * std::max(std::abs(low), std::abs(high)) * std::abs(distance) / z;
   };
   return {side(panel.width(), part.low.x, part.high.x), side(panel.height(), part.low.y, part.high.y)};
 }
@@ -112,7 +112,7 @@ ViewTargets views_of(const LightField& light, const Job& job, double distance, d
   ViewTargets views{-distance, wavelength, window, picture, pupils, {}};
   const double shared = view_wavelength(job.wavelengths, job.trace.has_common_cone);
   const Grid& panel = job.slm.grid;
-  const double reach = box_radius(distance, shared, panel.pitch);
+  const double reach = box_radius(std::abs(distance), shared, panel.pitch);
   const double largest = std::min(panel.width(), 2 * reach) * std::min(panel.height(), 2 * reach);
   for (const Pupil& pupil : pupils) {
     PupilPicture seen = picture_through(light, shared, picture, distance, pupil);

@@ -196,7 +196,7 @@ std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& target
 
 // Half the height of the renders, as a tangent.
 double half_tangent_of(const Job& job, double distance) {
-  if (aims_at_scene(job)) return job.slm.grid.height() / 2 / distance;
+  if (aims_at_scene(job)) return job.slm.grid.height() / 2 / std::abs(distance);
   return raster_tangent(job.render.field_of_view, job.slm.grid,
                         view_wavelength(job.wavelengths, job.trace.has_common_cone));
 }

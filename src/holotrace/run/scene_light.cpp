@@ -126,7 +126,8 @@ SceneLight trace_light(const Job& job, const Observer& observer) {
 Sources points_of_scene(const Job& job) {
   const Grid& panel = job.slm.grid;
   const double side = std::max(panel.width(), panel.height());
-  const double nearest = *std::min_element(job.camera.distances.begin(), job.camera.distances.end());
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const double distance : job.camera.distances) nearest = std::min(nearest, std::abs(distance));
   TraceParams params;
   params.field_of_view = std::atan(std::min(1.0, side / 2 / nearest));  // the window of a view
   params.phase = SourcePhase::path;                                     // behind mirrors and glass, not on them

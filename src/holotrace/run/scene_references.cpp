@@ -27,7 +27,7 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
   std::vector<Image> pictures;
   for (size_t d = 0; d < distances.size(); ++d) {
     params.focus = distances[d];
-    params.field_of_view = std::atan(panel.height() / 2 / distances[d]);
+    params.field_of_view = std::atan(panel.height() / 2 / std::abs(distances[d]));
     pictures.push_back(render(job.scene, panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));
     limit_to_pupil(pictures.back(), panel.pitch, wavelength, distances[d] + params.eye.z, params.pupil);
   }

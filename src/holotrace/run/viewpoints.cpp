@@ -59,8 +59,7 @@ void add_eyes(const CameraParams& camera, const RenderParams& stereo, std::vecto
 // Checked before the work, not at its end.
 void check_place(const CameraParams& camera) {
   for (const double distance : camera.distances)
-    require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
-            format_length(distance));
+    require(std::isfinite(distance), "expected finite camera distances, got {}", format_length(distance));
   check_eye(camera);
 }
 

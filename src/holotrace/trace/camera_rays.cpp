@@ -51,8 +51,9 @@ Vec3 radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, b
 
 double point_light(const ScenePoint& point, Vec3 place, const Grid& panel, double wavelength) {
   const Vec3 way = point.position - place;
-  const double distance = length(way), cosine = -way.z / distance, share = -point.position.z / distance;
-  const double amplitude = point_amplitude(panel, wavelength, wavelength, -point.position.z) * point.amplitude;
+  const double distance = length(way), cosine = way.z / distance, depth = std::abs(point.position.z);
+  const double share = depth / distance;
+  const double amplitude = point_amplitude(panel, wavelength, wavelength, depth) * point.amplitude;
   return amplitude * amplitude * share * share / (cosine * cosine * cosine * cosine);
 }
 

@@ -28,7 +28,7 @@ std::vector<DepthRange> depth_ranges(const Scene& scene, const Grid& panel, doub
   const double half_width = panel.width() / 2, half_height = panel.height() / 2;
   std::vector<double> surfaces, images;
   const auto add = [&](Vec3 place, std::vector<double>& depths) {
-    if (place.z < 0 && std::abs(place.x) <= half_width && std::abs(place.y) <= half_height) depths.push_back(-place.z);
+    if (place.z != 0 && std::abs(place.x) <= half_width && std::abs(place.y) <= half_height) depths.push_back(-place.z);
   };
   for (const ScenePoint& point : scene.points) add(point.position, surfaces);
   PathCounts counts;
@@ -37,7 +37,7 @@ std::vector<DepthRange> depth_ranges(const Scene& scene, const Grid& panel, doub
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
         const auto slope = [&](int k) { return tangent * (2 * (k + 0.5) / side - 1); };
-        const Ray ray{from, normalize({slope(i), slope(j), -1})};
+        const Ray ray = path_scene.accelerator.from_viewer({from, normalize({slope(i), slope(j), -1})});
         if (const auto hit = path_scene.accelerator.closest_hit(ray)) add(hit->point.position, surfaces);
         for (const SpecularLeaf& leaf : follow_specular(path_scene, ray, counts))
           if (!leaf.chain.empty() && leaf.kind != LeafKind::beyond && !leaf.is_far &&

@@ -7,7 +7,7 @@
 
 namespace holotrace {
 
-/// Distances from the panel between which nearly all of a kind of visible things lie [m].
+/// Distances from the panel between which nearly all of a kind of visible things lie [m]; negative in front of it.
 struct DepthRange {
   double nearest = 0, farthest = 0;
 };

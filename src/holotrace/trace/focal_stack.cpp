@@ -95,8 +95,8 @@ class StackTracing {
         const auto ray = rays_.ray(plane, {column + place.x, row + place.y}, lens_place);
         if (!ray || numbers.one() >= rays_.keep_probability(plane, *ray, candidates)) continue;
         const Vec3 direction = normalize({ray->slope.x, ray->slope.y, -1});
-        const Vec3 light = radiance_along(scene_, {{ray->from.x, ray->from.y, lens_z_}, direction},
-                                          params_.has_background, numbers, sums, counts);
+        const Ray seen = scene_.accelerator.from_viewer({{ray->from.x, ray->from.y, lens_z_}, direction});
+        const Vec3 light = radiance_along(scene_, seen, params_.has_background, numbers, sums, counts);
         found.push_back({{float(ray->from.x), float(ray->from.y)},
                          {float(ray->slope.x), float(ray->slope.y)},
                          float(rays_.weight(*ray)),
@@ -160,7 +160,8 @@ void check_planes(const ScenePlanes& planes, const Grid& panel) {
   require(!planes.distances.empty() || planes.light_field,
           "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");
   for (const double distance : planes.distances)
-    check_range(distance, range::positive, Quantity::length, " for a plane of the focal stack");
+    require(std::isfinite(distance) && distance != 0,
+            "expected planes of a focal stack beside the panel, got one at {}", format_length(distance));
   if (planes.light_field) check_light_field(*planes.light_field, panel);
 }
 
@@ -175,8 +176,9 @@ std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, s
   }
   std::vector<int> order(planes.distances.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return planes.distances[size_t(a)] > planes.distances[size_t(b)]; });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::abs(planes.distances[size_t(a)]) > std::abs(planes.distances[size_t(b)]);
+  });
   for (const int place : order) {
     targets.push_back({{panel, planes.distances[size_t(place)]}, 1, 1, {}});
     places.push_back(place);
@@ -225,6 +227,7 @@ SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavel
   check_planes(planes, panel);
   const StackLens lens{panel, 0, acceptance_tangent(wavelength, panel.pitch)};
   const PathScene path_scene = make_path_scene(scene, params);
+  warn_of_caustics(path_scene, observer);
   std::vector<int> places;
   std::vector<Target> targets = make_targets(planes, panel, places);
   const PathCounts counts = fill_targets(path_scene, lens, params, targets, observer);
@@ -257,6 +260,7 @@ LightField trace_light_field(const Scene& scene, const Grid& panel, double wavel
   const StackLens lens{field.lens.pixels() > 0 ? field.lens : panel, field.lens_z,
                        acceptance_tangent(wavelength, panel.pitch)};
   const PathScene path_scene = make_path_scene(scene, params);
+  warn_of_caustics(path_scene, observer);
   std::vector<int> places;
   std::vector<Target> targets = make_targets({{}, field}, panel, places);
   report(fill_targets(path_scene, lens, params, targets, observer), params.max_depth, observer);

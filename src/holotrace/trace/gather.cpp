@@ -140,21 +140,22 @@ void add_waves(const Gathering& g, Found& found, PixelSums& sums) {
   found.cells.clear();
 }
 
-/// The luminous points: U = a·(d₀/r)·exp(i(kr + φ₀)) inside their boxes, a as point_strength.h says.
+/// The luminous points: U = a·(d₀/r)·exp(i(±kr + φ₀)) inside their boxes, a as point_strength.h says.
 void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   const std::vector<ScenePoint>& points = g.scene.scene.points;
   const size_t frames = size_t(g.params.frames);
   for (size_t p = 0; p < points.size(); ++p) {
     const ScenePoint& point = points[p];
     const Vec3 way = point.position - pixel;
-    const double depth = -point.position.z, distance = length(way);
-    if (g.scene.accelerator.is_occluded(pixel, point.position)) continue;
+    const double depth = std::abs(point.position.z), distance = length(way);
+    if (g.scene.accelerator.is_hidden(pixel, point.position)) continue;
     for (size_t i = 0; i < g.sets.size(); ++i) {
       const double radius = box_radius(depth, g.sets[i].cone(), g.panel.pitch);
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
       const double amplitude =
           point_amplitude(g.panel, g.sets[i].wavelength, g.sets[i].cone(), depth) * point.amplitude;
-      const double cycles = cycle_fraction(distance, g.sets[i].wavelength) + point.phase / (2 * pi);
+      const double beyond = point.position.z < 0 ? distance : -distance;  // a wave to a point in front converges
+      const double cycles = cycle_fraction(beyond, g.sets[i].wavelength) + point.phase / (2 * pi);
       const uint64_t key = point_key(g.params, g.sets[i], p);
       for (size_t frame = 0; frame < frames; ++frame) {
         const double random =
@@ -269,6 +270,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
+    if (g == 0) warn_of_caustics(path_scene, observer);
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
     gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side},

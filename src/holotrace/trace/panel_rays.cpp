@@ -43,7 +43,7 @@ bool PanelRays::Plane::is_crossed_at(Vec2 place) const {
 PanelRays::PanelRays(const Grid& panel, double tangent, const std::vector<PixelPlane>& planes, int paths)
     : panel_(panel), tangent_(tangent), paths_(paths) {
   const auto density = [&](const PixelPlane& plane) {
-    const double box = 2 * tangent * plane.distance;
+    const double box = 2 * tangent * std::abs(plane.distance);
     const double area = std::min(panel.width(), box) * std::min(panel.height(), box);
     return plane.distance * plane.distance / (area * plane.grid.pitch * plane.grid.pitch);
   };
@@ -53,15 +53,15 @@ PanelRays::PanelRays(const Grid& panel, double tangent, const std::vector<PixelP
 std::optional<PanelRay> PanelRays::ray(int plane, Vec2 place, Vec2 numbers) const {
   const auto& [grid, distance] = planes_[size_t(plane)].pixels;
   const Vec2 target{grid.x(place.x - 0.5), grid.y(place.y - 0.5)};
-  const auto x = side_x(panel_, tangent_ * distance).place(target.x, numbers.x);
-  const auto y = side_y(panel_, tangent_ * distance).place(target.y, numbers.y);
+  const auto x = side_x(panel_, tangent_ * std::abs(distance)).place(target.x, numbers.x);
+  const auto y = side_y(panel_, tangent_ * std::abs(distance)).place(target.y, numbers.y);
   if (!x || !y) return std::nullopt;
   return PanelRay{{*x, *y}, {(target.x - *x) / distance, (target.y - *y) / distance}};
 }
 
 bool PanelRays::is_crossed_by_all(const Plane& plane, const Plane& other, int row, int column) const {
   const auto& [grid, distance] = plane.pixels;
-  const Side across = side_x(panel_, tangent_ * distance), up = side_y(panel_, tangent_ * distance);
+  const Side across = side_x(panel_, tangent_ * std::abs(distance)), up = side_y(panel_, tangent_ * std::abs(distance));
   const double left = grid.x(column - 0.5), right = grid.x(column + 0.5);
   const double bottom = grid.y(row + 0.5), top = grid.y(row - 0.5);
   const double share = other.pixels.distance / distance;

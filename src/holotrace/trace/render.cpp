@@ -37,8 +37,9 @@ struct Eye {
       const double radius = pupil / 2 * std::sqrt(u.x), angle = 2 * pi * u.y;
       return position + Vec3{radius * std::cos(angle), radius * std::sin(angle), 0};
     }
-    const double left = std::max(-panel_x, x * focus - reach), right = std::min(panel_x, x * focus + reach);
-    const double low = std::max(-panel_y, y * focus - reach), high = std::min(panel_y, y * focus + reach);
+    const double distance = std::abs(focus);
+    const double left = std::max(-panel_x, x * distance - reach), right = std::min(panel_x, x * distance + reach);
+    const double low = std::max(-panel_y, y * distance - reach), high = std::min(panel_y, y * distance + reach);
     if (left >= right || low >= high) return std::nullopt;
     return Vec3{left + (right - left) * u.x, low + (high - low) * u.y, 0};
   }
@@ -48,7 +49,9 @@ struct Eye {
     const double x = (column - columns / 2.0) * pixel, y = (rows / 2.0 - row) * pixel;
     const auto from = lens_place(x, y, u);
     if (!from) return std::nullopt;
-    return Ray{*from, normalize({x - from->x / focus, y - from->y / focus, -1 - from->z / focus})};
+    const double distance = std::abs(focus);
+    const Vec3 way = Vec3{x * distance, y * distance, -focus} - *from;
+    return Ray{*from, normalize(way.z < 0 ? way : -way)};
   }
 
   bool needs_lens_place() const { return lens != Lens::pinhole; }
@@ -76,7 +79,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
       numbers.start(uint32_t(first + path));
       const Vec2 place = numbers.two();
       const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
-      if (ray) rays[count++] = {*ray, uint32_t(path)};
+      if (ray) rays[count++] = {scene.accelerator.from_viewer(*ray), uint32_t(path)};
     }
     sum +=
         radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums, counts);
@@ -99,13 +102,15 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
   const Vec3 from = eye.lens == Lens::panel ? Vec3{} : eye.position;
   for (const ScenePoint& point : scene.scene().points) {
     const Vec3 way = point.position - from;
+    if (from.z > 0 && way.z >= 0) continue;                           // behind the viewer
     const Vec3 place = from + way * ((from.z + eye.focus) / -way.z);  // in the plane in focus
-    const double column = place.x / eye.focus / eye.pixel + (eye.columns - 1) / 2.0;
-    const double row = (eye.rows - 1) / 2.0 - place.y / eye.focus / eye.pixel;
+    const double distance = std::abs(eye.focus);
+    const double column = place.x / distance / eye.pixel + (eye.columns - 1) / 2.0;
+    const double row = (eye.rows - 1) / 2.0 - place.y / distance / eye.pixel;
     const bool is_inside = std::abs(column - (eye.columns - 1) / 2.0) <= eye.columns / 2.0 &&
                            std::abs(row - (eye.rows - 1) / 2.0) <= eye.rows / 2.0;
-    if (!is_inside || scene.is_occluded(from, point.position)) continue;
-    const double side = eye.pixel * eye.focus / (eye.focus + from.z);
+    if (!is_inside || scene.is_hidden(from, point.position)) continue;
+    const double side = std::abs(eye.pixel * distance / (eye.focus + from.z));
     const double radiance = point_light(point, from, panel, wavelength) / (side * side);
     add_between(image, column, row, Vec3{1, 1, 1} * radiance);
   }
@@ -118,6 +123,7 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
   check_grid(panel);
   check_wavelength(wavelength);
   check_ranges(asked);
+  require(asked.focus != 0, "expected a plane in focus behind the panel or in front of it, got the panel's own, 0 m");
   RenderParams params = asked;
   params.paths = paths_per_pixel(asked);
 
@@ -131,8 +137,9 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
                 .focus = params.focus,
                 .panel_x = panel.width() / 2,
                 .panel_y = panel.height() / 2,
-                .reach = box_radius(params.focus, wavelength, panel.pitch)};
+                .reach = box_radius(std::abs(params.focus), wavelength, panel.pitch)};
   const PathScene path_scene = make_path_scene(scene, params);
+  warn_of_caustics(path_scene, observer);
   require_memory(3.0 * (sizeof(float) + 1) * columns * rows,  // a byte each when it is saved
                  fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);

@@ -37,7 +37,7 @@ struct Share {
 /// part `lens` of the panel; each pixel is a mean over the part of the lens that it sees.
 std::vector<Share> shares(const Pixels& pixels, const Interval& lens, double place, double depth, double distance,
                           double tangent) {
-  const Interval seen = seen_part(lens, place, tangent * depth);
+  const Interval seen = seen_part(lens, place, tangent * std::abs(depth));
   if (!(seen.size() > 0)) return {};
   const double ratio = distance / depth, pitch = std::abs(pixels.step);
   const double centre = seen.centre() + (place - seen.centre()) * ratio;
@@ -48,7 +48,7 @@ std::vector<Share> shares(const Pixels& pixels, const Interval& lens, double pla
   for (int i = int(std::clamp(std::floor(begin + 0.5), 0.0, double(pixels.count))); i < pixels.count; ++i) {
     const double covered = std::min(end, i + 0.5) - std::max(begin, i - 0.5);
     if (covered <= 0) break;
-    const Interval of_pixel = seen_part(lens, pixels.first + i * pixels.step, tangent * distance);
+    const Interval of_pixel = seen_part(lens, pixels.first + i * pixels.step, tangent * std::abs(distance));
     if (of_pixel.size() > 0) result.push_back({i, covered / (end - begin) * seen.size() / of_pixel.size()});
   }
   return result;
@@ -62,10 +62,11 @@ void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPla
   const Vec3 centre{(part.left + part.right) / 2, (part.low + part.high) / 2, part.z};
   for (const ScenePoint& point : scene.scene().points) {
     const double depth = part.z - point.position.z;
+    if (part.z > 0 && depth <= 0) continue;  // behind the viewer
     const auto across = shares(columns, {part.left, part.right}, point.position.x, depth, plane.distance, part.tangent);
     const auto down = shares(rows, {part.low, part.high}, point.position.y, depth, plane.distance, part.tangent);
-    if (across.empty() || down.empty() || scene.is_occluded(centre, point.position)) continue;
-    const double side = grid.pitch / plane.distance;  // of a pixel, as a tangent
+    if (across.empty() || down.empty() || scene.is_hidden(centre, point.position)) continue;
+    const double side = grid.pitch / std::abs(plane.distance);  // of a pixel, as a tangent
     const double light = point_light(point, centre, part.panel, part.wavelength) / (side * side);
     for (const Share& row : down)
       for (const Share& column : across)

@@ -151,6 +151,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
     if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, cones.of_rays);
+    if (g == 0) warn_of_caustics(path_scene, observer);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
     const Tracing tracing{path_scene, params,       pattern ? &*pattern : nullptr, tiles, wave_sets, side,

@@ -58,7 +58,7 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
 
 /// Whether light from a place reaches a tile within the panel's acceptance, at any of the wavelengths.
 bool is_in_reach(const Tracing& t, const PixelBox& tile, Vec3 origin) {
-  const double radius = box_radius(-origin.z, t.widest, t.panel.pitch);
+  const double radius = box_radius(std::abs(origin.z), t.widest, t.panel.pitch);
   return origin.x >= t.panel.x(tile.x0) - radius && origin.x <= t.panel.x(tile.x1 - 1) + radius &&
          origin.y <= t.panel.y(tile.y0) + radius && origin.y >= t.panel.y(tile.y1 - 1) - radius;
 }
@@ -126,7 +126,7 @@ void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& br
   const std::vector<ScenePoint>& points = t.scene.scene.points;
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
-    const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_occluded(place, point.position); };
+    const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_hidden(place, point.position); };
     std::vector<char> seen;  // index: tile
     for (const PanelTile& tile : t.tiles) seen.push_back(is_seen(tile.centre));
     const bool is_lit = t.tiles.empty() ? is_seen({}) : std::count(seen.begin(), seen.end(), 1) > 0;
@@ -136,7 +136,7 @@ void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& br
       const WaveSet& set = t.sets[s];
       if (!set.has_points) continue;
       const float amplitude =
-          float(point_amplitude(t.panel, set.wavelength, set.cone(), -point.position.z) * point.amplitude);
+          float(point_amplitude(t.panel, set.wavelength, set.cone(), std::abs(point.position.z)) * point.amplitude);
       add_wave(t, sets[s], {point.position, amplitude}, point.phase, point_key(t.params, t.sets[s], i), {});
       for (const char is_seen_from : seen) sets[s].tiles.push_back(is_seen_from ? amplitude : 0);
     }

@@ -89,8 +89,7 @@ struct Focus {
 
 Focus focus_of(const FieldShape& shown, const Slm& slm, double distance, const PropagateParams& propagation,
                const CameraParams& with_lens, const Observer& observer, const SourcePart& source) {
-  require(std::isfinite(distance) && distance >= 0, "expected a camera distance of 0 m or more, got {}",
-          format_length(distance));
+  require(std::isfinite(distance), "expected a finite camera distance, got {}", format_length(distance));
   check_eye(with_lens);
   const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
   const CameraParams camera = in_object_plane(with_lens, m);
@@ -239,10 +238,10 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
                    in_pupil + bytes_over(*pupil, z - camera.eye.z, with_its_size(window, shown)), in_pupil + reading});
 }
 
-double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera) {
-  if (distance <= 0) return 1;
+double axial_reach(const Slm& slm, const HologramLight& light, double from_panel, const CameraParams& camera) {
+  if (from_panel == 0) return 1;
   // The pupil's shadow on the panel, as seen from the point behind or in front of the panel.
-  const double z = light.image == ImageSide::real_image ? std::abs(camera.eye.z - distance) : distance + camera.eye.z;
+  const double z = std::abs(camera.eye.z - plane_of(from_panel, light.image)), distance = std::abs(from_panel);
   const double seen = camera.pupil > 0 && z > 0 ? camera.pupil * distance / z : std::numeric_limits<double>::infinity();
   const double pitch = slm.grid.pitch;
   const double lambda = light.wavelength;
@@ -280,7 +279,7 @@ Image project_render(const Image& render, double half_tangent, const Image& sens
   out.pitch = sensor.pitch;
   out.centre_x = sensor.centre_x;
   out.centre_y = sensor.centre_y;
-  const double step = 2 * half_tangent / render.ny * distance;  // side of a render pixel on the sensor [m]
+  const double step = 2 * half_tangent / render.ny * std::abs(distance);  // side of a render pixel on the sensor [m]
   if (step <= 0) return out;
   const double ratio = sensor.pitch / step;
   const int parts = std::clamp(int(std::ceil(ratio)), 1, 32);  // places of the render per sensor pixel and axis

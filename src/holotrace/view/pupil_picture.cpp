@@ -51,8 +51,10 @@ AxisCells touched_cells(const Axis& axis, const Geometry& geometry, double pixel
   const double centre = is_same ? axis.eye : pixel + (axis.eye - pixel) * geometry.share;
   const auto on_lens = [&](double side) { return pixel + (side - pixel) * geometry.beyond_panel; };
   const double lens_high = axis.lens_low + axis.cell * axis.cells;
-  const double low_open = std::max({axis.lens_low, pixel - geometry.reach, on_lens(axis.panel_low)});
-  const double high_open = std::min({lens_high, pixel + geometry.reach, on_lens(axis.panel_high)});
+  // Rays through a place in front of the panel cross there: its low side is then on the lens's high side.
+  const double one = on_lens(axis.panel_low), other = on_lens(axis.panel_high);
+  const double low_open = std::max({axis.lens_low, pixel - geometry.reach, std::min(one, other)});
+  const double high_open = std::min({lens_high, pixel + geometry.reach, std::max(one, other)});
   AxisCells result;
   if (!(std::max(low_open, centre - geometry.radius) < std::min(high_open, centre + geometry.radius))) return result;
   // What cuts the footprint of this pixel: nothing but the lens if all pixels have the same one, whose areas are found once.
@@ -178,7 +180,9 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_light_field(light_field);
   check_wavelength(wavelength);
   check_grid(grid);
-  check_range(distance, range::positive, Quantity::length, " for the plane of the picture");
+  require(std::isfinite(distance) && distance != 0 && distance + light_field.lens_z > 0,
+          "expected the plane of the picture beside the panel and behind the lens, got one at {}",
+          format_length(distance));
   check_range(pupil.diameter, range::positive, Quantity::length, " for the pupil's diameter");
   check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");

@@ -30,7 +30,7 @@ RenderParams params_for(const Job& job, const CameraParams& camera) {
   const Grid& panel = job.slm.grid;
   params.columns = columns_of_trace;
   params.rows = std::max(1, int(std::lround(double(columns_of_trace) * panel.ny / panel.nx)));
-  params.field_of_view = std::atan(panel.height() / 2 / distance);
+  params.field_of_view = std::atan(panel.height() / 2 / std::abs(distance));
   params.focus = distance;
   params.paths = std::min(params.paths, paths_of_trace);
   params.lens = camera.pupil > 0 ? Lens::round : Lens::panel;
@@ -66,12 +66,12 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
     render.place.distance = distance;
     return render;
   }
-  if (!contents.job || distance <= 0) return std::nullopt;
+  if (!contents.job || distance == 0) return std::nullopt;
   const std::string key = fmt::format("{} {}", fmt::ptr(contents.job.get()), key_of(camera));  // of this reading
   PlacedRender render{find(key), {}};
   if (!render.image && trace.is_allowed) render.image = traced(key, *contents.job, camera, trace.is_outdated);
   if (!render.image) return std::nullopt;
-  render.place.half_tangent = contents.job->slm.grid.height() / 2 / distance;
+  render.place.half_tangent = contents.job->slm.grid.height() / 2 / std::abs(distance);
   render.place.distance = distance;
   render.place.wavelengths = contents.job->wavelengths;
   return render;

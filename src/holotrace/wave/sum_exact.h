@@ -13,10 +13,10 @@ namespace holotrace {
 ///
 /// With tile amplitudes (TileAmplitudes), aⱼ is the amplitude in the tile that p lies in.
 ///
-/// @param sources  spherical waves at z < 0 [m]
+/// @param sources  spherical waves at z < 0 or z > 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)], within 1e-11 of the sum above
-/// @throws Error   for a source that is not finite or not behind the panel, naming it
+/// @throws Error   for a source that is not finite or on the panel, naming it
 ///
 /// Cost: a square root, a sine and a cosine per wave and pixel in its box.
 FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& observer = {});

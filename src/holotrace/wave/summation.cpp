@@ -158,7 +158,7 @@ double host_bytes_per_thread() { return workspace_bytes; }
 std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way,
                                    double& reachable, const Observer& observer) {
   check_grid(grid);
-  check_sources(sources);
+  check_sources_behind(sources);
   require_memory(sizeof(std::complex<float>) * double(grid.pixels()) +
                      host_bytes_per_wave(way.device() != nullptr, way.approach) * double(sources.waves.size()) +
                      host_bytes_per_thread() * thread_count(),
@@ -198,7 +198,7 @@ SummedField sum_within(const Sources& sources, const Grid& grid, double toleranc
 
 SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolerance, const SumWay& way) {
   check_grid(grid);
-  check_sources(sources);
+  check_sources_behind(sources);
   SumForecast forecast;
   for (int part = 0; part < panel_parts(sources); ++part) {
     const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);

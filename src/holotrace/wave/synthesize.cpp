@@ -10,6 +10,7 @@
 #include "holotrace/base/thread_count.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/both_sides.h"
 #include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
@@ -185,7 +186,10 @@ int64_t waves_pixels(const Sources& sources, const Grid& grid) {
 }
 
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
-  return sum_where_chosen(sources, grid, params, {}, observer).field;
+  check_sources(sources);
+  return sum_both_sides(sources, observer, [&](const Sources& side, const Observer& of_side) {
+    return sum_where_chosen(side, grid, params, {}, of_side).field;
+  });
 }
 
 PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,
@@ -195,6 +199,11 @@ PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid
     field.frame = from.frame;
     field.cone_wavelength = from.cone_wavelength;
   };
+  if (has_waves_in_front(*sources)) {
+    Field field = synthesize(*sources, grid, params, observer);
+    label(*sources, field);
+    return PlacedField(std::move(field));
+  }
   SummedField sum = sum_where_chosen(*sources, grid, params, {true, returns}, observer);
   label(*sources, sum.there ? sum.there->head : sum.field);
   if (!sum.there) return PlacedField(std::move(sum.field));

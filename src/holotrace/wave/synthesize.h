@@ -29,10 +29,12 @@ namespace holotrace {
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then
 /// that of the waves·pixels that they light.
 ///
-/// @param sources  spherical waves at z < 0 [m]
+/// Waves that converge to points in front of the panel are summed apart, as those of their mirror image behind it.
+///
+/// @param sources  spherical waves at z < 0 or z > 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)]
-/// @throws Error   for a device that is not there, or fails; for no sources, a source not behind the panel, or a tolerance outside (0, 1)
+/// @throws Error   for a device that is not there, or fails; for no sources, a source on the panel, or a tolerance outside (0, 1)
 ///
 /// Facts: `waves`, `waves_pixels`, `method`, for `auto` also `why`; then those of the method. Warning: waves whose box
 /// misses the panel.
@@ -41,7 +43,7 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
 
 /// The same for a field that another stage takes, with the name, frame and cone of the sources. It stays on the device that
 /// sums it, if that has memory for it. Transfers: the waves, and 4 bytes per row for its energy. If the device `auto` fails
-/// later, the processor sums the waves again.
+/// later, the processor sums the waves again. With waves from in front of the panel, the field is on the processor.
 /// @param sources  kept for that, without a copy, as long as the field is only on the device
 /// @param returns  whether the caller needs the field on the processor, too: its return then counts for `auto`
 PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,

@@ -101,8 +101,8 @@ TEST(FocalStackFile, BadFilesAreRefused) {
             "expected the attribute \"distances_m\" of \"focal_stack\", which is missing; add it, in SI units");
   EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}, {"distances_m", {0.3, 0.4}}})),
             "expected 1 number(s) in \"distances_m\", as many as \"focal_stack\" has parts, got 2");
-  EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}, {"distances_m", {-0.3}}})),
-            "expected a length above 0 m for plane 1 of the focal stack, got -300 mm");
+  EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}, {"distances_m", {0}}})),
+            "expected plane 1 of the focal stack beside the panel, got 0 m");
   for (const double value : {-1.0, std::nan(""), double(INFINITY)})
     EXPECT_NE(error(make_hdf5({1, 1, 1}, {value}, {{"pitch_m", {8e-6}}, {"distances_m", {0.3}}}))
                   .find("expected finite radiance of 0 or more in plane 1"),

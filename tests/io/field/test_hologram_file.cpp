@@ -115,7 +115,7 @@ TEST(HologramFile, KnowsHowItsRunLooked) {
   }
   const std::string text = test::png_text(path, "holotrace");
   for (const auto& [from, to, words] :
-       {std::tuple{"0.303", "-0.3", "distances, a pupil and an eye's z of 0 m or more"},
+       {std::tuple{"-0.002,0.25", "-0.002,-0.25", "a pupil and an eye's z of 0 m or more"},
         std::tuple{"[0.001,-0.002,0.25]", "[0.001,0.25]", "expected three numbers for \"eye_m\", got 2"},
         std::tuple{"\"pupil_m\":0.003", "\"pupil_m\":\"3 mm\"", "expected a number for \"pupil_m\""},
         std::tuple{"0.303]", "null]", "expected a list of finite numbers for \"distances_m\""}}) {

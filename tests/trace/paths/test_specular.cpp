@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/shapes.h"
 #include "holotrace/trace/paths/specular.h"
 #include "holotrace/trace/shared/sampling.h"
 #include "holotrace/trace/trace.h"
@@ -164,7 +165,7 @@ TEST(Specular, CurvedMirrorsFollowTheMirrorEquation) {
   EXPECT_FALSE(leaf.is_far);
 }
 
-TEST(Specular, AConcaveMirrorsWavesThatConvergeAreMadeFlatAndCounted) {
+TEST(Specular, AConcaveMirrorsRealImageIsInFrontOfThePanel) {
   // The inside of a ball of radius 0.2 m around the panel's centre. An object 50 mm in front of the mirror, inside its
   // focal length of 100 mm, has a virtual image 100 mm behind it: 1/50 − 1/100 = 1/100.
   const double r = 0.2;
@@ -178,8 +179,41 @@ TEST(Specular, AConcaveMirrorsWavesThatConvergeAreMadeFlatAndCounted) {
   // 120 mm in front of it, outside the focal length: a real image 600 mm from the mirror, 400 mm in front of the panel.
   scene.meshes[1] = make_test_quad({-2_mm, 0, -0.08}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0);
   const SpecularLeaf real_image = leaf_of(scene, {{6_mm, 0, 0}, view_direction(-0.01, 0)}, "r");
-  EXPECT_TRUE(real_image.is_far);
-  EXPECT_EQ(real_image.distance, farthest_origin);
+  EXPECT_FALSE(real_image.is_far);
+  EXPECT_NEAR(real_image.distance, 0.2 - mirror_equation(120_mm, r), 5e-3 * 600_mm);
+  // At its focus, 100 mm in front of it, the light is parallel.
+  scene.meshes[1] = make_test_quad({-1_mm, 0, -0.1}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0);
+  EXPECT_TRUE(leaf_of(scene, {{4_mm, 0, 0}, view_direction(-0.005, 0)}, "r").is_far);
+}
+
+// Radii of 100 mm, 5 mm thick, n = 1.7, its middle at z = −100 mm; an object 120 mm behind the middle. By Gauss's formula for
+// each face: n/s₁ = 0.7/100 − 1/117.5, s₁ = −1125.4 mm; 1/s₂ = 0.7/100 − 1.7/1130.4, s₂ = 181.95 mm from the face at −97.5 mm.
+TEST(Specular, ALensShowsARealImageInFrontOfThePanel) {
+  constexpr double radius = 100_mm, half = 2.5_mm, image = 84.45_mm;
+  std::vector<Vec2> profile;
+  const double rim = std::acos(1 - half / radius);
+  for (int k = 0; k <= 100; ++k)
+    profile.push_back({radius * std::sin(rim * k / 100), -half + radius * (1 - std::cos(rim * k / 100))});
+  profile.front().x = 0;
+  for (int k = 99; k >= 0; --k) profile.push_back({profile[size_t(k)].x, -profile[size_t(k)].y});
+  Mesh lens = make_lathe(profile, 256);
+  transform_mesh({{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {0, 0, -100_mm}}, lens);
+  lens.material = 1;
+  Scene scene;
+  scene.materials = {grey(0.5, 1), glass(1.7)};
+  scene.meshes = {make_wall(-220_mm, 100_mm, 100_mm), lens};
+  const TraceParams params{.columns = 3, .rows = 3, .field_of_view = 0.002, .paths = 1, .phase = SourcePhase::path};
+  const Sources sources = trace(scene, {16, 16, 8e-6}, green_light, params);
+  ASSERT_GE(sources.waves.size(), 9u);
+  float largest = 0;
+  for (const Source& wave : sources.waves) largest = std::max(largest, wave.amplitude);
+  int direct = 0;
+  for (const Source& wave : sources.waves) {
+    if (wave.amplitude < 0.5F * largest) continue;  // reflected inside the lens: 0.067 of the amplitude or less
+    EXPECT_NEAR(wave.origin.z, image, 0.2_mm);      // facets of 0.25 mm, spherical aberration at 0.2 mm from the axis
+    ++direct;
+  }
+  EXPECT_EQ(direct, 9);
 }
 
 TEST(Specular, ABallLensMagnifiesByItsFocalLength) {

@@ -19,7 +19,7 @@ enum class PixelSampling { integrate, point };
 /// A sensor without a lens (as on the paper's bench), a camera with a thin lens, or an eye; and how the sensor's values
 /// become a picture.
 struct CameraParams {
-  std::vector<double> distances{0.3};  ///< distances from the panel to the planes in focus [m], ≥ 0
+  std::vector<double> distances{0.3};  ///< distances from the panel to the planes in focus [m]; < 0: on the other side
   double pupil = 0;         ///< diameter of the eye's pupil or the lens [m]; 0: all light that leaves the panel
   Vec3 eye{0, 0, 0};        ///< position of that pupil [m], on the panel or in front of it: z ≥ 0
   double focal_length = 0;  ///< focal length of a thin lens in the pupil [m]; sizes below are then those of its sensor
@@ -41,7 +41,9 @@ struct CameraParams {
 
 template <class Visitor>
 void describe(Visitor& v, CameraParams& p) {
-  v.lengths("distances", p.distances, range::not_negative, "distances from the panel to the planes in focus");
+  v.lengths(
+      "distances", p.distances, range::any,
+      "distances from the panel to the planes in focus; negative: on the other side, in front of it for a virtual image");
   v.length("pupil", p.pupil, range::not_negative,
            "diameter of the pupil of the eye or lens; 0 m: all light that leaves the panel is used");
   v.position("eye", p.eye, range::not_negative,

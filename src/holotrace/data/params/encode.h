@@ -116,10 +116,11 @@ struct EncodeParams {
   EncodeTarget target = EncodeTarget::automatic;  ///< what iterations aim at
   Denoise denoise = Denoise::automatic;           ///< targets render, light-field: which are denoised
   Quality quality = Quality::automatic;           ///< scenes: chooses frames, planes, iterations and paths not given
-  std::vector<double> target_distances{};  ///< iterations: distances of the target planes from the panel [m], ≥ 0
-  std::vector<double> eye{};               ///< eyes that the light is for: x, y and z of each [m]; none: all that look
-  double pupil = 0;                        ///< diameter of their pupils [m]; 0: eye_pupil
-  std::vector<std::string> eyebox{};       ///< box about each eye: diameter, width and height, or "all"; none: eye_box
+  std::vector<double>
+      target_distances{};     ///< iterations: distances of the target planes from the panel [m]; < 0: on the other side
+  std::vector<double> eye{};  ///< eyes that the light is for: x, y and z of each [m]; none: all that look
+  double pupil = 0;           ///< diameter of their pupils [m]; 0: eye_pupil
+  std::vector<std::string> eyebox{};  ///< box about each eye: diameter, width and height, or "all"; none: eye_box
   int planes = 0;  ///< targets render, light-field: most planes of the program's own choice; 0: 16, or by quality
   int target_columns = 0, target_rows = 0;  ///< part of those planes that the error counts, centred [pixels]; 0: all
   bool resample = false;                    ///< scale a target picture of another size to that part
@@ -176,7 +177,7 @@ void describe(Visitor& v, EncodeParams& p) {
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
       "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 40, 32; good: 8, 16, 100, 128; best: 16, 24, 300, 256; "
       "auto: draft; with draft, good or best the method is sgd");
-  v.lengths("target_distances", p.target_distances, range::not_negative,
+  v.lengths("target_distances", p.target_distances, range::any,
             "iterations: distances of the target planes from the panel");
   v.lengths("eye", p.eye, range::any,
             "sgd, scenes: position x y z of the eye that the light is for, in front of the panel (z above 0 m); three "

@@ -29,7 +29,7 @@ struct RenderParams {
   Vec3 eye{0, 0, 0};                  ///< position of the lens [m], on the panel or in front of it: z ≥ 0
   Lens lens = Lens::pinhole;          ///< aperture of the camera
   double pupil = 4e-3;                ///< diameter of the round lens [m]
-  double focus = 0.3;                 ///< distance from the panel to the plane in focus [m]
+  double focus = 0.3;                 ///< distance from the panel to the plane in focus [m]; < 0: in front of it
   std::vector<double> focal_stack{};  ///< distances from the panel to planes [m]: a focal stack instead of a picture
   double eye_separation = 0;  ///< distance between two eyes along x, centred on `eye` [m]: a stereo pair; 0: one eye
   int paths = 0;              ///< light paths per pixel; 0: chosen, 64 for a single picture
@@ -59,9 +59,9 @@ void describe(Visitor& v, RenderParams& p) {
   v.choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},
            "aperture of the camera: a pinhole, a round lens, or the panel's own area");
   v.length("pupil", p.pupil, range::positive, "diameter of the round lens");
-  v.length("focus", p.focus, range::positive, "distance from the panel to the plane in focus");
+  v.length("focus", p.focus, range::any, "distance from the panel to the plane in focus; negative: in front of it");
   v.lengths(
-      "focal_stack", p.focal_stack, range::positive,
+      "focal_stack", p.focal_stack, range::any,
       "distances from the panel to planes; makes a focal stack with the panel as lens, on the panel's pixels, from "
       "one tracing");
   v.length("eye_separation", p.eye_separation, range::not_negative,

@@ -159,10 +159,11 @@ ViewingConditions viewing_from(const nlohmann::json& json, const std::string& si
     require(eye.size() == 3, "{}: expected three numbers for \"eye_m\", got {}", sidecar, eye.size());
     viewing.eye = {eye[0], eye[1], eye[2]};
   }
-  const bool are_distances =
-      std::all_of(viewing.distances.begin(), viewing.distances.end(), [](double distance) { return distance >= 0; });
+  const bool are_distances = std::all_of(viewing.distances.begin(), viewing.distances.end(),
+                                         [](double distance) { return std::isfinite(distance); });
   require(are_distances && viewing.pupil >= 0 && viewing.eye.z >= 0,
-          "{}: expected distances, a pupil and an eye's z of 0 m or more in \"viewing\", got {}", sidecar, json.dump());
+          "{}: expected finite distances, and a pupil and an eye's z of 0 m or more in \"viewing\", got {}", sidecar,
+          json.dump());
   return viewing;
 }
 
@@ -259,7 +260,7 @@ ViewingConditions viewing_of_file(const std::string& path) {
   return json.contains("viewing") ? viewing_from(json["viewing"], beside.empty() ? path : beside) : ViewingConditions();
 }
 
-Hologram load_hologram(const std::string& path) {
+Hologram load_hologram(const std::string& path, const std::function<void(HologramParams&)>& complete) {
   check_file_exists(path, "a hologram");
   const Greys greys = read_greys(path);
   Hologram hologram;
@@ -291,6 +292,18 @@ Hologram load_hologram(const std::string& path) {
     hologram.effects = metadata_texts(json, sidecar, "effects");
     if (json.contains("viewing")) hologram.viewing = viewing_from(json["viewing"], sidecar);
     if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, path, sidecar);
+  }
+  if (complete) {
+    const bool has_metadata = is_inside || !beside.empty();
+    HologramParams given{hologram.image, hologram.modulation, hologram.levels, hologram.grid.pitch, 0};
+    complete(given);
+    require(!has_metadata || (given.levels == hologram.levels && given.modulation == hologram.modulation),
+            "expected levels and modulation only for files without metadata; {} says that it has {} levels", path,
+            hologram.levels);
+    if (given.levels > 0) hologram.levels = given.levels;
+    hologram.image = given.image;
+    hologram.modulation = given.modulation;
+    hologram.grid.pitch = given.pitch;
   }
   hologram.level = levels_of(greys, hologram.levels, hologram.modulation, path, sidecar);
   if (hologram.modulation == Modulation::complex) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "holotrace/data/hologram.h"
+#include "holotrace/data/params/hologram.h"
 #include "holotrace/io/files/output_set.h"
 
 namespace holotrace {
@@ -50,6 +52,7 @@ ViewingConditions viewing_of_file(const std::string& path);
 /// bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.
 /// @throws Error naming the file if it is not an image, has colours, or has greys that are no level; and if a
 ///         phase map or amplitudes that the metadata name are missing
-Hologram load_hologram(const std::string& path);
+/// @param complete  changes what the file says of itself, or says it if the file has no metadata
+Hologram load_hologram(const std::string& path, const std::function<void(HologramParams&)>& complete = {});
 
 }  // namespace holotrace

@@ -85,10 +85,6 @@ void SceneObjects::add_object(TomlTable object) {
   Geometry geometry = read_object(object);
   const Bounds bounds = bounds_of(geometry);
   require(!bounds.empty, "{}expected an object with triangles or points, got an empty one", object.where(""));
-  require(
-      bounds.high.z < 0,
-      "{}expected the object behind the panel (z < 0), but it reaches z = {}; move it to negative z with \"position\"",
-      object.where(""), format_length(bounds.high.z));
   for (Mesh& mesh : geometry.meshes) {
     if (mesh.material < 0) {
       if (default_material_ < 0) {

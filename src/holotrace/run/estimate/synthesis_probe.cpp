@@ -23,8 +23,8 @@ Sources repeat(const Sources& from, const std::vector<size_t>& copies, double sp
       Source wave = from.waves[i];
       if (copy > 0) {
         CounterRandom random(3, 0, origins.size());
-        wave.origin.x += (random.uniform() - 0.5) * spacing * -wave.origin.z;
-        wave.origin.y += (random.uniform() - 0.5) * spacing * -wave.origin.z;
+        wave.origin.x += (random.uniform() - 0.5) * spacing * std::abs(wave.origin.z);
+        wave.origin.y += (random.uniform() - 0.5) * spacing * std::abs(wave.origin.z);
         wave.phase = float(6.283 * random.uniform());
       }
       to.waves.push_back(wave);

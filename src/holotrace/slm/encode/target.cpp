@@ -21,8 +21,7 @@ void check_distances(const std::vector<double>& distances) {
   require(!distances.empty(),
           "expected at least one target distance, got none; give target_distances (--target-distances)");
   for (const double distance : distances)
-    require(std::isfinite(distance) && distance >= 0, "expected target distances of 0 m or more, got {}",
-            format_length(distance));
+    require(std::isfinite(distance), "expected finite target distances, got {}", format_length(distance));
 }
 
 // 1 in the middle, 0 around it; empty if the middle is the whole panel.

@@ -271,6 +271,8 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind)
   Implementation& self = *implementation_;
   self.precision = precision_ = precision_of(scene);
   self.per_unit = 1 / precision_.unit, self.radius = precision_.radius / precision_.unit;
+  for (const Mesh& mesh : scene.meshes)
+    for (const Vec3& p : mesh.positions) front_ = std::max(front_, p.z);
   self.lamps = light_surfaces(scene);
   self.list_surfaces();
   const std::vector<double> lifts = light_lifts(scene, precision_);
@@ -319,6 +321,20 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
 bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
   const double distance = length(to - from);
   return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
+}
+
+Ray Accelerator::from_viewer(Ray ray) const {
+  if (front_ == 0 || ray.origin.z != 0 || ray.direction.z >= 0) return ray;
+  ray.origin += ray.direction * ((front_ + precision_.unit) / ray.direction.z);
+  return ray;
+}
+
+bool Accelerator::is_hidden(Vec3 place, Vec3 point) const {
+  if (front_ == 0 || place.z != 0) return is_occluded(place, point);
+  const Vec3 way = normalize(point.z < 0 ? point - place : place - point);
+  const Vec3 viewer = from_viewer({place, way}).origin;
+  // A point beyond all surfaces has nothing before it.
+  return viewer.z > point.z && is_occluded(viewer, point);
 }
 
 double Accelerator::rounding_at_end(const Ray& ray, double distance) const {

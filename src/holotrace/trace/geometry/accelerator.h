@@ -68,6 +68,14 @@ class Accelerator {
   /// end does not count.
   bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact) const;
 
+  /// A ray through a place on the panel as a viewer looks along it: it starts in front of all meshes, also of those between
+  /// the panel and the viewer. Rays that start elsewhere stay as they are.
+  Ray from_viewer(Ray ray) const;
+
+  /// Whether a surface hides a point from a viewer who looks at it through a place on the panel. The point may be in front of the
+  /// panel.
+  bool is_hidden(Vec3 place, Vec3 point) const;
+
   /// The same for several rays: bit i of the result is 1 if bit i of `asked` is and a surface lies on ray i.
   /// @param are_near  whether they start near to each other: they are then traced together, which is faster only for such rays
   uint32_t occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const;
@@ -106,6 +114,7 @@ class Accelerator {
 
   ScenePrecision precision_;
   std::vector<double> lifts_;  // index: light
+  double front_ = 0;           // largest z of all meshes; 0 if they are behind the panel [m]
   std::vector<LoggedRay>* log_ = nullptr;
 };
 

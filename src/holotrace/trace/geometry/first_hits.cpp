@@ -121,7 +121,8 @@ double FirstHits::squared_amplitude(const Ray& ray, Vec3 origin, double waveleng
 
 /// Power of a wave of unit amplitude on a part of the panel, inside its box [m²].
 double FirstHits::power_on(Vec3 origin, double wavelength, const PixelBox& part) const {
-  const double depth = -origin.z, radius = box_radius(depth, wavelength, panel_.pitch), edge = panel_.pitch / 2;
+  const double depth = std::abs(origin.z), radius = box_radius(depth, wavelength, panel_.pitch),
+               edge = panel_.pitch / 2;
   const double x0 = std::max(panel_.x(part.x0) - edge - origin.x, -radius);
   const double x1 = std::min(panel_.x(part.x1 - 1) + edge - origin.x, radius);
   const double y0 = std::max(panel_.y(part.y1 - 1) - edge - origin.y, -radius);

@@ -68,9 +68,9 @@ class DirectLight {
   void add(const B& bsdf, const PathVertex& at, double weight, LowDiscrepancy& numbers) {
     if (!begin(lobes(bsdf), at.state)) return;
     for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
-      const LightSample way = sample(at.point.position, light.is_shared ? numbers.two() : Vec2{});
-      if (const auto reflected = reflect(bsdf, at, way, light.is_shared, weight))
-        add_if_visible(at, way, light, *reflected);
+      if (!light.is_shared) return add_unmet(bsdf, at, light, sample(at.point.position, {}), weight);
+      const LightSample way = sample(at.point.position, numbers.two());
+      if (const auto reflected = reflect(bsdf, at, way, true, weight)) add_if_visible(at, way, light, *reflected);
     });
   }
 
@@ -84,11 +84,7 @@ class DirectLight {
     Waiting waiting;
     int taken = 0;
     for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
-      if (!light.is_shared) {
-        const LightSample way = sample(at.point.position, {});
-        if (const auto reflected = reflect(bsdf, at, way, false, paths)) add_if_visible(at, way, light, *reflected);
-        return;
-      }
+      if (!light.is_shared) return add_unmet(bsdf, at, light, sample(at.point.position, {}), paths);
       const int dimension = taken++;
       if (const auto* surface = reflector(bsdf); surface && fits_lanes(light))
         return add_lanes_at(*surface, at, light, {paths, dimension}, numbers);
@@ -133,7 +129,9 @@ class DirectLight {
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
         const PathVertex at{point, {}, state, depth, aim};
         const LightSample way = sample(point.position, place_of(i));
-        if (const auto reflected = reflect(bsdf, at, way, light.is_shared, 1))
+        if (!light.is_shared)
+          add_unmet(bsdf, at, light, way, 1);
+        else if (const auto reflected = reflect(bsdf, at, way, true, 1))
           add_if_visible(at, way, light, *reflected);
       }
     });
@@ -157,8 +155,8 @@ class DirectLight {
     glossy_state_ = has.has_glossy ? automaton.step(state, PathEvent::glossy) : PathAutomaton::State{};
     diffuse_path_groups_ = automaton.accepted(diffuse_state_);
     glossy_path_groups_ = automaton.accepted(glossy_state_);
-    // Path groups that accept no light here may accept it behind a pane.
-    return (diffuse_path_groups_ | glossy_path_groups_) || (scene_.has_panes && (diffuse_state_ | glossy_state_));
+    // Path groups that accept no light here may accept it behind a pane or by a mirror.
+    return (diffuse_path_groups_ | glossy_path_groups_) || (passes_mirrors() && (diffuse_state_ | glossy_state_));
   }
 
   /// Calls visit(light, sample), sample(from, u) being a LightSample; u is used only for a light that is shared.
@@ -176,6 +174,58 @@ class DirectLight {
       visit({emitters.background_group(), true}, [&](Vec3, Vec2 u) { return environment->sample(u); });
   }
 
+  /// Whether light that no ray can meet may come through panes or by flat mirrors.
+  bool passes_mirrors() const { return scene_.has_panes || !scene_.mirrors.planes.empty(); }
+
+  /// Adds the light of a light that no ray can meet: straight, through panes, and by each flat mirror.
+  template <class B>
+  void add_unmet(const B& bsdf, const PathVertex& at, const SampledLight& light, const LightSample& way,
+                 double weight) {
+    if (const auto reflected = reflect(bsdf, at, way, false, weight)) add_if_visible(at, way, light, *reflected);
+    if (!light.light || at.depth >= scene_.params.max_depth) return;
+    const auto& planes = scene_.mirrors.planes;
+    for (size_t m = 0; m < planes.size(); ++m) {
+      const auto& image = planes[m].images[size_t(light.group)];
+      if (!image || !planes[m].is_between(at.point.position, *light.light)) continue;
+      const LightSample by_mirror = sample_light(*image, at.point.position, {});
+      if (const auto reflected = reflect(bsdf, at, by_mirror, false, weight))
+        add_by_mirror(at, by_mirror, *image, {m, light.group}, *reflected);
+    }
+  }
+
+  struct MirroredLight {
+    size_t mirror;
+    int group;
+  };
+
+  /// Adds the light of a mirror image, if the way to it meets that mirror first and is free from there to the light.
+  void add_by_mirror(const PathVertex& at, const LightSample& way, const Light& image, const MirroredLight& mirrored,
+                     const Reflected& reflected) {
+    const FlatMirror& mirror = scene_.mirrors.planes[mirrored.mirror];
+    const Ray ray{scene_.accelerator.leave(at.point, way.direction), way.direction};
+    ++counts_.rays;
+    const auto hit = scene_.accelerator.closest_hit(ray, at.aim);
+    if (!hit || hit->distance >= way.distance || !mirror.holds(hit->point)) return;
+    const Material& material = material_at(scene_.scene, hit->point);
+    const Bsdf bsdf = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
+    const SpecularBranches branches = specular_branches(bsdf, -way.direction);
+    const auto last = branches.ways.begin() + branches.count;
+    const auto back =
+        std::find_if(branches.ways.begin(), last, [](const BsdfSample& branch) { return !branch.is_transmission; });
+    if (back == last) return;
+    ++counts_.shadow_rays;
+    const Ray onward{scene_.accelerator.leave(hit->point, back->direction), back->direction};
+    const double left = way.distance - length(hit->point.position - at.point.position);
+    if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
+    if (const auto groups = path_groups_behind(1, diffuse_state_))
+      sink_.add(groups, mirrored.group, reflected.diffuse * back->weight);
+    if (const auto groups = path_groups_behind(1, glossy_state_))
+      sink_.add(groups, mirrored.group, reflected.glossy * back->weight);
+    if constexpr (Sink::follows_phase)
+      sink_.end_way(laser_path(image, sink_.place_of_phase(at.point.position)),
+                    {int(mirrored.mirror) + 1, back->phase});
+  }
+
   /// Paths pass through panes and meet all lights that can be met; only the other lights are sampled through panes.
   bool passes_panes(const SampledLight& light) const { return scene_.has_panes && !light.is_shared; }
 
@@ -191,9 +241,9 @@ class DirectLight {
       const double other = is_shared ? pdf(bsdf, at.outgoing, way.direction, lobe) : 0;
       return at.throughput * f * way.radiance * (weight * way.pdf / (way.pdf * way.pdf + other * other));
     };
-    const bool has_panes = scene_.has_panes && !is_shared;
-    const Reflected light{diffuse_path_groups_ || (has_panes && diffuse_state_) ? of_lobe(Lobe::diffuse) : Vec3{},
-                          glossy_path_groups_ || (has_panes && glossy_state_) ? of_lobe(Lobe::glossy) : Vec3{}};
+    const bool has_more = passes_mirrors() && !is_shared;
+    const Reflected light{diffuse_path_groups_ || (has_more && diffuse_state_) ? of_lobe(Lobe::diffuse) : Vec3{},
+                          glossy_path_groups_ || (has_more && glossy_state_) ? of_lobe(Lobe::glossy) : Vec3{}};
     if (is_black(light.diffuse) && is_black(light.glossy)) return std::nullopt;
     return light;
   }
@@ -212,7 +262,7 @@ class DirectLight {
     if (diffuse_path_groups) sink_.add(diffuse_path_groups, light.group, reflected.diffuse);
     if (glossy_path_groups) sink_.add(glossy_path_groups, light.group, reflected.glossy);
     if constexpr (Sink::follows_phase)
-      sink_.end_way(light.light ? laser_path(*light.light, sink_.place_of_phase(at.point.position)) : std::nullopt);
+      sink_.end_way(light.light ? laser_path(*light.light, sink_.place_of_phase(at.point.position)) : std::nullopt, {});
   }
 
   static Aim aim_at(const PathVertex& at, const SampledLight& light) { return light.is_shared ? Aim::random : at.aim; }

@@ -65,7 +65,7 @@ class PhasorSink {
       if (accepted >> path_group & 1) way_[size_t(first + path_group)] += radiance;
   }
 
-  void end_way(std::optional<double> laser_path) {
+  void end_way(std::optional<double> laser_path, const MirrorOnWay& mirror) {
     const double clamp = scene_.params.clamp > 0 ? scene_.params.clamp : std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < way_.size(); ++i) {
       const Vec3 light{std::min(way_[i].x, clamp), std::min(way_[i].y, clamp), std::min(way_[i].z, clamp)};
@@ -75,9 +75,9 @@ class PhasorSink {
       if (!laser_path)
         incoherent_[i] += light;
       else if (const Vec3 path = path_ + index_ * *laser_path; branches_ == 0)
-        add_wave(i, light / paths_, path, phase_);
+        add_wave(i, light / paths_, path, phase_ + mirror.phase);
       else
-        add_to_alike({i, group_, branches_, light, path, phase_});
+        add_to_alike({i, group_, mirror.number, branches_, light, path, phase_ + mirror.phase});
     }
   }
 
@@ -97,7 +97,7 @@ class PhasorSink {
   /// Contributions of one light by the same mirrors and glass faces.
   struct Alike {
     size_t sum;
-    int group;
+    int group, mirror;
     uint64_t branches;
     Vec3 light, path, phase;
   };
@@ -123,7 +123,8 @@ class PhasorSink {
 
   void add_to_alike(const Alike& way) {
     const auto same = std::find_if(alike_.begin(), alike_.end(), [&](const Alike& other) {
-      return other.sum == way.sum && other.group == way.group && other.branches == way.branches;
+      return other.sum == way.sum && other.group == way.group && other.mirror == way.mirror &&
+             other.branches == way.branches;
     });
     if (same == alike_.end())
       alike_.push_back(way);

@@ -28,7 +28,7 @@ struct RadianceSink {
     for (int path_group = 0; path_group < path_groups; ++path_group)
       if (accepted >> path_group & 1) sums[first + size_t(path_group)] += radiance;
   }
-  void end_way(std::optional<double>) {}
+  void end_way(std::optional<double>, const MirrorOnWay&) {}
 };
 
 RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
@@ -94,6 +94,13 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
         fmt::format("{:.0f} % of the light paths were cut after {} surfaces, which darkens corners and "
                     "interiors; raise max_depth",
                     100.0 * double(counts.cut) / double(counts.paths), max_depth));
+}
+
+void warn_of_caustics(const PathScene& scene, const Observer& observer) {
+  if (!scene.mirrors.has_curved) return;
+  observer.warn(
+      "the light of point, spot and directional lights that curved mirrors or glass throw on other surfaces (caustics) is left "
+      "out; use rectangle lights, which paths find by themselves");
 }
 
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,

@@ -18,6 +18,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       lines(lines),
       params(params),
       rectangles(scene.lights.size()),
+      mirrors(flat_mirrors(scene, emitters.lights(), lines)),
       has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),
                             [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })) {
   require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);

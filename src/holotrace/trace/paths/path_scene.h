@@ -8,6 +8,7 @@
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/lights/light_lanes.h"
+#include "holotrace/trace/paths/flat_mirrors.h"
 #include "holotrace/trace/shared/lines.h"
 
 namespace holotrace {
@@ -33,6 +34,7 @@ struct PathScene {
   Lines lines;
   PathParams params;
   std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
+  FlatMirrors mirrors;                 ///< that reflect the light of lights which no ray can meet
   bool has_panes;                      ///< whether a mesh is of thin glass, which transmits light straight on
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp

@@ -17,8 +17,8 @@
 //
 //   static constexpr bool follows_phase        whether start, scatter and travel are called
 //   add(path_groups, group, radiance)               light of a group for the path groups whose bits are set
-//   end_way(laser_path)                        all light of one contribution was added; for a laser: its optical path
-//                                              from there to the surface, else none
+//   end_way(laser_path, reflection)            all light of one contribution was added; for a laser: its optical path
+//                                              from there to the surface, else none; a flat mirror on that way
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
 //   place_of_phase(point)                      place on that surface at which the phase of light is evaluated
 
@@ -175,7 +175,7 @@ class PathWalk {
   void add_met(uint32_t path_groups, int group, Vec3 light) {
     if (is_black(light)) return;
     sink_.add(path_groups, group, light);
-    sink_.end_way(std::nullopt);
+    sink_.end_way(std::nullopt, {});
   }
 
   /// Adds the emission of the surface itself.

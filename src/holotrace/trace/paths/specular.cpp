@@ -125,7 +125,7 @@ void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
     return;
   }
   const auto curvature = end ? twice_mean_curvature(scene, leaf, ray, *end) : std::nullopt;
-  leaf.is_far = !(curvature && *curvature > 2 / farthest_origin);
+  leaf.is_far = !(curvature && std::abs(*curvature) > 2 / farthest_origin);
   leaf.distance = leaf.is_far ? farthest_origin : 2 / *curvature;
   if (leaf.kind == LeafKind::beyond) leaf.optical_path = leaf.distance;
 }

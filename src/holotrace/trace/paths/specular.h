@@ -25,18 +25,18 @@ enum class LeafKind { surface, glow, light, beyond };
 /// far away.
 struct SpecularLeaf {
   LeafKind kind = LeafKind::surface;
-  PathStart start;                    ///< start; if infinitely far away, only `outgoing` and the members after it
-  int light = 0;                      ///< index of the light, for LeafKind::light
-  Vec3 weight{1, 1, 1};               ///< share of the radiance that reaches the panel, at the lines
-  Vec3 phase;                         ///< Fresnel phase that the mirrors and glass add at the lines [rad]
-  double optical_path = 0;            ///< Σ n·d from the ray's origin to the surface [m]
-  double distance = 0;                ///< R, from the ray's origin to the apparent origin of the wavefront [m]
-  bool is_far = false;                ///< whether R was set to farthest_origin (parallel or converging wavefront)
+  PathStart start;          ///< start; if infinitely far away, only `outgoing` and the members after it
+  int light = 0;            ///< index of the light, for LeafKind::light
+  Vec3 weight{1, 1, 1};     ///< share of the radiance that reaches the panel, at the lines
+  Vec3 phase;               ///< Fresnel phase that the mirrors and glass add at the lines [rad]
+  double optical_path = 0;  ///< Σ n·d from the ray's origin to the surface [m]
+  double distance = 0;      ///< R, from the ray's origin along it to the origin of the wavefront [m]; < 0: it converges
+  bool is_far = false;      ///< whether R was set to farthest_origin (parallel wavefront)
   std::vector<SpecularVertex> chain;  ///< surfaces from the panel on; empty if seen directly
 };
 
-/// Distance used for waves that are parallel, nearly parallel or converging at the panel [m]. At 100 m the sag left
-/// over 10 mm is 10⁻⁶ m, two waves. A converging wave becomes a flat one; its focus before the panel is lost.
+/// Distance used for waves that are parallel or nearly parallel at the panel [m]. At 100 m the sag left over 10 mm is
+/// 10⁻⁶ m, two waves.
 inline constexpr double farthest_origin = 100;
 
 /// What a ray from the panel finds behind mirrors and glass. It follows the whole tree of their reflections and

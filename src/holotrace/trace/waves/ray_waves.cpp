@@ -73,7 +73,8 @@ void move_phase(SpecularLeaf& leaf, const Ray& ray, Vec3 middle) {
   const Vec3 move = way - point.geometric_normal * dot(way, point.geometric_normal);
   leaf.start.phase_move = move;
   if (leaf.chain.empty())
-    leaf.optical_path = leaf.distance = length(point.position + move - ray.origin);
+    leaf.optical_path = leaf.distance =
+        std::copysign(length(point.position + move - ray.origin), dot(point.position - ray.origin, ray.direction));
   else
     leaf.optical_path -= leaf.start.index * dot(move, leaf.start.outgoing);
 }
@@ -115,12 +116,16 @@ std::optional<SpecularLeaf> first_hit(const PathScene& scene, const Ray& ray, Pa
 std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& params, double side, const Ray& ray,
                                 uint64_t sample, PathCounts& counts) {
   std::vector<SpecularLeaf> leaves;
+  const Ray seen = scene.accelerator.from_viewer(ray);
   if (follows_mirrors(params.phase))
-    leaves = follow_specular(scene, ray, counts);
-  else if (auto leaf = first_hit(scene, ray, counts))
+    leaves = follow_specular(scene, seen, counts);
+  else if (auto leaf = first_hit(scene, seen, counts))
     leaves.push_back(std::move(*leaf));
+  const double to_panel = length(ray.origin - seen.origin);
   std::vector<RayWave> waves;
   for (SpecularLeaf& leaf : leaves) {
+    leaf.optical_path -= to_panel;
+    leaf.distance -= to_panel;
     const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
     const auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
     LeafLight light = light_from(scene, params, leaf, sample, counts);
@@ -143,16 +148,17 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
   SpecularLeaf leaf;
   if (model.chain.empty()) {
     const SurfacePoint& point = model.start.point;
-    const Vec3 way = place - point.position;
+    const Vec3 way = point.position.z < place.z ? place - point.position : point.position - place;
     if (dot(way, point.geometric_normal) <= 0) return std::nullopt;
     ++counts.shadow_rays;
     // At grazing angles the surface would hide its own point.
-    if (scene.accelerator.is_occluded(place, scene.accelerator.leave(point))) return std::nullopt;
+    if (scene.accelerator.is_hidden(place, scene.accelerator.leave(point))) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, model.weight};
     leaf = model;
     leaf.start.outgoing = normalize(way);
   } else {
-    const Ray ray{place, normalize(wave.origin - place)};
+    const Vec3 way = wave.origin - place;
+    const Ray ray = scene.accelerator.from_viewer({place, normalize(way.z < 0 ? way : -way)});
     auto found = follow_like(scene, ray, model, counts);
     if (!found || !shows_the_same(scene, *found, model, ray)) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, found->weight};

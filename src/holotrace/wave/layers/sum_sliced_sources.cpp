@@ -36,7 +36,7 @@ struct Plan {
 
 void check_input(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   check_grid(grid);
-  check_sources(sources);
+  check_sources_behind(sources);
   check_ranges(params);
   require(sources.tiles.columns == 0,
           "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × "

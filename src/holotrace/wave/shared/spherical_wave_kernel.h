@@ -17,7 +17,7 @@ namespace holotrace {
 /// The pixels that a source lights: |x − xₒ| ≤ R and |y − yₒ| ≤ R, R = d₀·tangent (Eq. 14). The tangent is that of the
 /// cone that the waves keep to, tan(asin(λ/2p)) for λ = Sources::acceptance_wavelength.
 inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) {
-  const double radius = -source.origin.z * tangent;
+  const double radius = std::abs(source.origin.z) * tangent;
   if (!std::isfinite(radius)) return {0, grid.nx, 0, grid.ny};
   const auto clamp = [](double value, int limit) { return int(std::clamp(value, 0.0, double(limit))); };
   const double column = (source.origin.x - grid.centre_x) / grid.pitch + (grid.nx - 1) / 2.0;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/encode.h"
+
+namespace holotrace {
+
+/// What holograms of other programs do not say of themselves. Holograms of this one keep it as metadata.
+struct HologramParams {
+  ImageSide image = ImageSide::virtual_image;  ///< side of the panel on which it shows its picture
+  Modulation modulation = Modulation::phase;   ///< what its greys mean
+  int levels = 0;                              ///< number of levels; 0: all greys of its bits
+  double pitch = 0;                            ///< pixel pitch [m]; 0: the panel's
+  double range = 0;                            ///< phase of the level beyond the last one [rad]; 0: the panel's
+};
+
+template <class Visitor>
+void describe(Visitor& v, HologramParams& p) {
+  v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
+           "side of the panel with the picture: behind it (virtual) or in front of it (real), at positive distances");
+  v.choice("modulation", p.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}},
+           "what the greys of a file without metadata mean");
+  v.count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
+          "number of levels of a file without metadata; 0: all greys of its bits");
+  v.length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's");
+  v.angle("range", p.range, range::not_negative,
+          "phase range of the panel, that of one level beyond the last; 0 rad: the panel's");
+}
+
+}  // namespace holotrace

@@ -1,0 +1,107 @@
+#include "holotrace/trace/paths/flat_mirrors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "holotrace/trace/lights/light.h"
+#include "holotrace/trace/materials/bsdf.h"
+
+namespace holotrace {
+namespace {
+
+constexpr size_t most_planes = 16;       // of a mesh
+constexpr double same_direction = 1e-9;  // 1 − cosine of an angle of 4e-5 rad
+
+Vec3 mirrored_direction(Vec3 v, const FlatMirror& mirror) { return v - mirror.normal * (2 * dot(v, mirror.normal)); }
+Vec3 mirrored_place(Vec3 p, const FlatMirror& mirror) {
+  return mirror.place + mirrored_direction(p - mirror.place, mirror);
+}
+
+bool reflects(const Material& material, const SurfacePoint& point, const Lines& lines) {
+  const SpecularBranches branches = specular_branches(make_bsdf(material, point, lines), point.normal);
+  return std::any_of(branches.ways.begin(), branches.ways.begin() + branches.count,
+                     [](const BsdfSample& way) { return !way.is_transmission; });
+}
+
+// The planes of a mesh; none if it is curved.
+std::optional<std::vector<FlatMirror>> planes_of(const Mesh& mesh, uint32_t index) {
+  std::vector<FlatMirror> planes;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 a = mesh.positions[i], across = cross(mesh.positions[j] - a, mesh.positions[k] - a);
+    const double size = length(across);
+    if (!(size > 0)) continue;
+    const Vec3 normal = across / size;
+    if (!mesh.normals.empty())
+      for (const uint32_t corner : {i, j, k})
+        if (std::abs(dot(normalize(mesh.normals[corner]), normal)) < 1 - same_direction) return std::nullopt;
+    const double near = 1e-6 * std::sqrt(size);
+    const bool is_known = std::any_of(planes.begin(), planes.end(), [&](const FlatMirror& plane) {
+      return std::abs(dot(plane.normal, normal)) > 1 - same_direction && std::abs(dot(a - plane.place, normal)) <= near;
+    });
+    if (is_known) continue;
+    if (planes.size() == most_planes) return std::nullopt;
+    planes.push_back({index, a, normal, {}});
+  }
+  return planes;
+}
+
+}  // namespace
+
+bool FlatMirror::is_between(Vec3 point, const Light& light) const {
+  const auto* beam = std::get_if<DirectionalLight>(&light);
+  const auto* spot = std::get_if<SpotLight>(&light);
+  const auto* lamp = std::get_if<PointLight>(&light);
+  const double side = beam ? -dot(beam->direction, normal)
+                           : dot((spot   ? spot->position
+                                  : lamp ? lamp->position
+                                         : place) -
+                                     place,
+                                 normal);
+  return side * dot(point - place, normal) > 0;
+}
+
+bool FlatMirror::holds(const SurfacePoint& point) const {
+  return point.light < 0 && point.mesh == mesh && std::abs(dot(point.geometric_normal, normal)) > 1 - same_direction &&
+         std::abs(dot(point.position - place, normal)) <= 8 * point.clearance;
+}
+
+Light mirror_image(const Light& light, const FlatMirror& mirror) {
+  Light image = light;
+  if (auto* lamp = std::get_if<PointLight>(&image)) lamp->position = mirrored_place(lamp->position, mirror);
+  if (auto* spot = std::get_if<SpotLight>(&image)) {
+    spot->position = mirrored_place(spot->position, mirror);
+    spot->direction = mirrored_direction(spot->direction, mirror);
+  }
+  if (auto* beam = std::get_if<DirectionalLight>(&image)) {
+    beam->position = mirrored_place(beam->position, mirror);
+    beam->direction = mirrored_direction(beam->direction, mirror);
+  }
+  return image;
+}
+
+FlatMirrors flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines) {
+  FlatMirrors mirrors;
+  if (std::all_of(lights.begin(), lights.end(), has_area)) return mirrors;
+  for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const Material& material = scene.materials[size_t(mesh.material)];
+    if (mesh.triangles.empty()) continue;
+    SurfacePoint point;
+    point.position = mesh.positions[mesh.triangles.front()[0]];
+    point.normal = point.geometric_normal = {0, 0, 1};
+    point.is_front = true;
+    point.colour = {1, 1, 1};
+    if (!reflects(material, point, lines)) continue;
+    const bool refracts = std::holds_alternative<DielectricMaterial>(material.surface) && !is_pane(material);
+    auto planes = material.normal_map ? std::nullopt : planes_of(mesh, m);
+    mirrors.has_curved = mirrors.has_curved || !planes || refracts;
+    if (planes) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors.planes));
+  }
+  for (FlatMirror& mirror : mirrors.planes)
+    for (const Light& light : lights)
+      mirror.images.push_back(has_area(light) ? std::optional<Light>() : mirror_image(light, mirror));
+  return mirrors;
+}
+
+}  // namespace holotrace
