@@ -8,7 +8,8 @@ namespace holotrace {
 // What drivers of OpenCL compiled (opencl/program_store.h), in the folder opencl/ of the user's cache. Without a cache
 // folder nothing is kept.
 
-/// The program that was kept for that key; none if there is none, or its file is damaged.
+/// The program that was kept for that key; none if there is none, its file is damaged, or another user could have
+/// written it.
 std::optional<std::string> load_kept_program(const std::string& key);
 
 void keep_program(const std::string& key, const std::string& binary);
