@@ -23,7 +23,7 @@ def main():
     if shutil.which("doxygen") is None:
         missing.append("doxygen")
     if missing:
-        print(f"the site is not built: {', '.join(missing)} not installed; run scripts/setup")
+        print(f"skipped: the site is not built: {', '.join(missing)} not installed; run scripts/setup --tests")
         return 77
     shutil.rmtree(out, ignore_errors=True)  # a page that is gone leaves nothing
     out.mkdir(parents=True)
