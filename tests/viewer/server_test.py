@@ -65,6 +65,18 @@ class Server:
         return self.process.returncode
 
 
+def field_in(folder, side):
+    """A field of side × side samples of plane light, written without any code of the program."""
+    path = os.path.join(folder, "field.npy")
+    head = f"{{'descr': '<c8', 'fortran_order': False, 'shape': ({side}, {side}), }}".encode()
+    head += b" " * (64 - (len(head) + 11) % 64) + b"\n"
+    with open(path, "wb") as file:
+        file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + struct.pack("<2f", 1, 0) * side**2)
+    with open(path + ".json", "w") as file:
+        json.dump({"pitch_m": 8e-6, "wavelengths_m": [532e-9], "z_m": 0}, file)
+    return path
+
+
 class OfServer(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -171,6 +183,35 @@ class OfProgram(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             server = Server(folder)
             self.assertEqual(server.stop(), 0)
+
+    def test_ends_at_once_while_it_computes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(field_in(folder, 1024))
+            # A sensor of 25 million pixels takes many seconds.
+            asking = threading.Thread(target=server.ask,
+                                      args=("view?distance=100+mm&width=5+mm&height=5+mm&pixel=1+um",))
+            asking.start()
+            time.sleep(0.5)
+            start = time.monotonic()
+            self.assertEqual(server.stop(), 0)
+            self.assertLess(time.monotonic() - start, 1)
+            asking.join()
+
+    # Each thread that computes leaves memory behind in libraries: views of short-lived threads took 6 KiB each.
+    def test_memory_does_not_grow_by_requests(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(field_in(folder, 64))
+            self.addCleanup(server.stop)
+            ask = lambda i: server.ask(f"view?draft=1&distance={100 + i % 7}+mm")  # noqa: E731
+            for i in range(200):
+                self.assertEqual(ask(i), 200)
+            before = server.memory()
+            workers = [threading.Thread(target=lambda k=k: [ask(8 * i + k) for i in range(250)]) for k in range(8)]
+            for worker in workers:
+                worker.start()
+            for worker in workers:
+                worker.join()
+            self.assertLess(server.memory() - before, 4 + KEPT_BY_SANITIZER)  # 2000 requests of 2 KiB
 
     def test_listens_on_the_loopback_address_alone(self):
         with tempfile.TemporaryDirectory() as folder:

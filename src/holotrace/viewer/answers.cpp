@@ -80,8 +80,21 @@ HttpAnswer Answers::operator()(const HttpRequest& request) {
   if (request.method != "GET" && request.method != "HEAD") return {405, "text/plain; charset=utf-8", "expected GET\n"};
   const std::string path = access_.inner_path(request);
   if (path != "session") last_use_ = Clock::now().time_since_epoch().count();
+  const std::string name = path.empty() ? "index.html" : path;
+  const auto file =
+      std::find_if(page_files().begin(), page_files().end(), [&](const PageFile& f) { return f.name == name; });
+  if (file != page_files().end()) return {200, std::string(file->type), std::string(file->content)};
   try {
-    return route(path, request.query);
+    Query query = parse_query(request.query);
+    const bool has_turn = path == "view" || path == "reference";
+    const Turn turn = has_turn ? take_turn(query) : Turn();
+    if (is_outdated(turn)) return {204, {}, {}};  // tells a request that is at work that this one is newer
+    HttpAnswer answer;
+    LastingThread& thread = path == "reference" ? renders_ : pictures_;
+    thread.call([&] {
+      answer = has_turn ? (path == "view" ? view(query, turn) : reference(query, turn)) : route(path, query);
+    });
+    return answer;
   } catch (const Error& error) {
     return error_answer(error.what());
   } catch (const std::bad_alloc&) {
@@ -93,20 +106,13 @@ HttpAnswer Answers::operator()(const HttpRequest& request) {
   }
 }
 
-HttpAnswer Answers::route(const std::string& path, const std::string& query_text) {
-  const std::string name = path.empty() ? "index.html" : path;
-  const auto file =
-      std::find_if(page_files().begin(), page_files().end(), [&](const PageFile& f) { return f.name == name; });
-  if (file != page_files().end()) return {200, std::string(file->type), std::string(file->content)};
-  const Query query = parse_query(query_text);
+HttpAnswer Answers::route(const std::string& path, const Query& query) {
   if (path == "session") {
     session_.refresh();
     return {200, json_type, session_.describe()};
   }
-  if (path == "view") return view(query);
   if (path == "panel") return panel(query);
   if (path == "values") return values(query);
-  if (path == "reference") return reference(query);
   if (path == "metrics") return {200, json_type, session_.metrics(session_.state_of(query))};
   if (path == "command") return json_answer({{"command", session_.command_line(query)}});
   if (path == "report") return {200, json_type, session_.report()};
@@ -139,19 +145,15 @@ bool Answers::is_outdated(const Turn& turn) {
   return turn.number < newest;
 }
 
-HttpAnswer Answers::view(Query query) {
+HttpAnswer Answers::view(const Query& query, const Turn& turn) {
   const auto start = Clock::now();
-  const Turn turn = take_turn(query);
-  const auto is_old = [&] { return is_outdated(turn); };
-  if (is_old()) return {204, {}, {}};  // tells a request that is at work that this one is newer, before waiting for it
-  const std::optional<TakenView> view = session_.view(session_.state_of(query), is_old);
+  const std::optional<TakenView> view = session_.view(session_.state_of(query), [&] { return is_outdated(turn); });
   if (!view) return {204, {}, {}};
   return view_answer(*view, std::chrono::duration<double>(Clock::now() - start).count());
 }
 
-HttpAnswer Answers::reference(Query query) {
+HttpAnswer Answers::reference(const Query& query, const Turn& turn) {
   const auto start = Clock::now();
-  const Turn turn = take_turn(query);
   if (!session_.has_render()) return json_answer({{"error", "there is no render beside these holograms"}}, 404);
   const auto render = session_.reference(session_.state_of(query), [&] { return is_outdated(turn); });
   if (!render) return {204, {}, {}};

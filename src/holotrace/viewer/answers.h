@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 
+#include "holotrace/base/lasting_thread.h"
 #include "holotrace/viewer/access.h"
 #include "holotrace/viewer/http.h"
 #include "holotrace/viewer/session.h"
@@ -26,6 +27,8 @@ namespace holotrace {
 ///
 /// With `page` (a name) and `number`, a view or a reference is dropped (204) once the page has asked with a higher number. An error is
 /// 400 with {"error": sentence}.
+///
+/// Pictures are computed in one thread that lasts, and renders in another one, so that views are answered meanwhile.
 class Answers {
  public:
   Answers(Session& session, Access access) : session_(session), access_(std::move(access)) {}
@@ -36,15 +39,15 @@ class Answers {
   double idle_seconds() const;
 
  private:
-  HttpAnswer route(const std::string& path, const std::string& query_text);
+  HttpAnswer route(const std::string& path, const Query& query);
   struct Turn {
     std::string page;
     int64_t number = -1;  // none
   };
   static Turn take_turn(Query& query);
   bool is_outdated(const Turn& turn);
-  HttpAnswer view(Query query);
-  HttpAnswer reference(Query query);
+  HttpAnswer view(const Query& query, const Turn& turn);
+  HttpAnswer reference(const Query& query, const Turn& turn);
   HttpAnswer panel(Query query);
   HttpAnswer values(Query query);
 
@@ -52,6 +55,7 @@ class Answers {
   const Access access_;
   std::mutex mutex_;
   std::map<std::string, int64_t> newest_;  // number of each page
+  LastingThread pictures_, renders_;
   std::atomic<std::chrono::steady_clock::rep> last_use_ = std::chrono::steady_clock::now().time_since_epoch().count();
 };
 
