@@ -4,6 +4,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 #include "commands.h"
@@ -79,6 +80,7 @@ void add_view_command(Command& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Session session(o->paths, {o->slm, global.outside(), console.stages()});
     console.finish();
+    if (const std::string why = session.why_empty(); !why.empty()) fail("{}", why);
     std::unique_ptr<Answers> answers;
     ListenerParams params;
     const std::string address = canonical_address(o->address);
@@ -101,8 +103,10 @@ void add_view_command(Command& app, const GlobalFlags& global) {
     fmt::print("{}\n", url);
     std::fflush(stdout);
     if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
-    const std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
+    std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
     listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
+    link.reset();
+    std::_Exit(0);  // at once: nobody waits for the pictures that are being computed
   });
 }
 

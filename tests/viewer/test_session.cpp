@@ -10,6 +10,7 @@
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/view_series.h"
@@ -372,6 +373,30 @@ TEST(Session, ReadsAFolderAgainOnceARunHasWrittenIt) {
   EXPECT_EQ(session.refresh(), 2);
   EXPECT_TRUE(session.view(session.state_of({})));
   EXPECT_EQ(session.refresh(), 2);
+}
+
+// A link that another user or an archive puts into a folder does not show other files to everybody who sees the page.
+TEST(Session, DoesNotFollowLinksOutOfAFolder) {
+  namespace fs = std::filesystem;
+  const fs::path folder = folder_of({random_hologram(532e-9, 0), random_hologram(638e-9, 1)});
+  const fs::path outside = temporary("elsewhere");
+  fs::create_directories(outside);
+  const auto shown = [&] {
+    const auto told = nlohmann::json::parse(Session({folder.string()}).describe());
+    return std::pair(told["items"].size(), told["problems"].dump());
+  };
+  fs::rename(folder / "hologram_2.png", outside / "secret.png");
+  fs::create_symlink(outside / "secret.png", folder / "hologram_2.png");
+  write_text((outside / "r.json").string(), "{\"secret\": 1}");
+  fs::create_symlink(outside / "r.json", folder / "report.json");
+  const auto [items, problems] = shown();
+  EXPECT_EQ(items, 1U);
+  EXPECT_NE(problems.find("hologram_2.png is a symbolic link out of this folder"), std::string::npos) << problems;
+  EXPECT_EQ(Session({folder.string()}).report().find("secret"), std::string::npos);
+  fs::remove(folder / "hologram_2.png");  // a link inside is no matter
+  fs::rename(outside / "secret.png", folder / "kept.png");
+  fs::create_symlink("kept.png", folder / "hologram_2.png");
+  EXPECT_EQ(shown().first, 2U);
 }
 
 // The progress of a job is a file of another program: what is nested deeper than memory allows to write is left out.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -48,8 +49,8 @@ ViewedItem item_of_hologram(const std::string& path, const ContentsParams& param
   item.slm = !params.slm.empty() ? load_slm(params.slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
   if (hologram.grid.pitch == 0) hologram.grid.pitch = item.slm.grid.pitch;
   require(hologram.wavelength > 0,
-          "{} has no metadata with its wavelength; it can be seen by holotrace show with "
-          "--wavelength",
+          "expected a hologram with its metadata, but {} has none; holotrace show takes it for a hologram with "
+          "--wavelength, and holotrace encode makes a hologram of a picture",
           path);
   if (params.slm.empty()) item.slm.grid = hologram.grid;
   return item;
@@ -116,8 +117,34 @@ std::vector<Sources> load_series_of_sources(const std::vector<std::string>& path
   return sets;
 }
 
+// The symbolic links of a folder to files outside of it, which others may have put there.
+std::set<fs::path> links_out(const std::string& folder) {
+  std::set<fs::path> links;
+  std::error_code error;
+  const fs::path inside = fs::canonical(folder, error);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (!entry.is_symlink(error)) continue;
+    const fs::path target = fs::weakly_canonical(entry.path(), error);
+    if (error || target.lexically_relative(inside).string().starts_with("..")) links.insert(entry.path());
+  }
+  return links;
+}
+
 void add_folder(const std::string& folder, const ContentsParams& params, Contents& contents) {
-  const RunFolder run = list_run(folder);
+  RunFolder run = list_run(folder);
+  const std::set<fs::path> links = links_out(folder);
+  const auto leads_out = [&](const std::string& path) {
+    for (const std::string& part : {path, sidecar_path(path), old_sidecar_path(path)})
+      if (links.count(part) > 0) {
+        contents.problems.push_back(
+            fmt::format("{} is a symbolic link out of this folder, so {} is not shown; copy the file", part, path));
+        return true;
+      }
+    return false;
+  };
+  for (auto* const files : {&run.holograms, &run.views, &run.points}) std::erase_if(*files, leads_out);
+  for (std::string* const file : {&run.field, &run.report})
+    if (leads_out(*file)) file->clear();
   add_holograms(run.holograms, params, contents);
   if (run.holograms.empty() && !run.field.empty()) add_fields(run.field, params, contents);
   if (run.holograms.empty() && contents.items.empty() && contents.problems.empty())
@@ -126,7 +153,8 @@ void add_folder(const std::string& folder, const ContentsParams& params, Content
         "holotrace run has written them");
   add_points(load_series_of_sources(run.points, contents.problems), contents);
   for (const std::string& view : run.views)
-    if (const auto render = render_of_view(view)) contents.renders.push_back(*render);
+    if (const auto render = render_of_view(view); render && !leads_out(render->path) && !leads_out(render->radiance))
+      contents.renders.push_back(*render);
   if (!run.report.empty()) attempt(contents.problems, [&] { contents.report = read_text(run.report, most_text); });
 }
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/progress_file.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
@@ -166,6 +168,13 @@ int Session::refresh() {
     }
   }
   return readings_;
+}
+
+std::string Session::why_empty() {
+  const std::lock_guard lock(mutex_);
+  const bool is_awaited =
+      contents_->kind == "folder" || running_progress(std::filesystem::path(paths_.front()).parent_path().string());
+  return is_awaited || !contents_->items.empty() || contents_->problems.empty() ? "" : contents_->problems.front();
 }
 
 ViewState Session::state_of(const Query& query) {

@@ -46,6 +46,9 @@ class Session {
   /// Reads the files again if they were written again. @return the number of times that they were read
   int refresh();
 
+  /// Why files that were given show nothing; "" if there is something, or if a run may still write it.
+  std::string why_empty();
+
   /// What is shown and how much memory it takes at most, for a message.
   std::string memory_text();
 
