@@ -114,8 +114,8 @@ void add_display_command(Command& app, const GlobalFlags& global) {
     display(&job, &outcome);
     require(outcome.problem[0] == '\0', "{}", outcome.problem);
     if (!global.is_quiet)
-      fmt::print("{} holograms shown at {:.2f} per second, {} refreshes missed\n", outcome.shown, outcome.rate,
-                 outcome.missed);
+      fmt::print("{} {} shown at {:.2f} per second, {} refreshes missed\n", outcome.shown,
+                 outcome.shown == 1 ? "hologram" : "holograms", outcome.rate, outcome.missed);
   });
 }
 

@@ -112,10 +112,11 @@ void show(const DisplayJob& job, const SDL_DisplayMode& mode, const Screen& scre
   const auto now = [&] { return double(SDL_GetPerformanceCounter()) / ticks; };
   const double start = now(), period = 1 / refresh;
   double last = start;
+  size_t shown = screen.pictures.size();  // none yet
   for (long presented = 0; !is_ended_by_user() && !job.is_over(); ++presented) {
     if (job.seconds > 0 && now() - start >= job.seconds) break;
-    SDL_Texture* picture = screen.pictures[size_t(presented / repeats) % screen.pictures.size()];
-    SDL_RenderCopy(screen.renderer, picture, nullptr, nullptr);
+    const size_t picture = size_t(presented / repeats) % screen.pictures.size();
+    SDL_RenderCopy(screen.renderer, screen.pictures[picture], nullptr, nullptr);
     SDL_RenderPresent(screen.renderer);
     double at = now();
     if (presented > 0 && at - last < 0.5 * period) {  // the driver does not wait for the monitor
@@ -124,7 +125,8 @@ void show(const DisplayJob& job, const SDL_DisplayMode& mode, const Screen& scre
     }
     if (presented > 2) outcome.missed += std::max(0L, std::lround((at - last) / period) - 1);  // the first ones open it
     last = at;
-    outcome.shown += presented % repeats == 0;
+    outcome.shown += picture != shown;
+    shown = picture;
   }
 }
 
@@ -135,13 +137,17 @@ void fail(DisplayOutcome& outcome, const std::string& sentence) {
 }  // namespace
 
 extern "C" void holotrace_display(const DisplayJob* job, DisplayOutcome* outcome) {
-  // Without a desktop SDL would draw into memory.
   if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY") && !std::getenv("SDL_VIDEODRIVER"))
     return fail(*outcome, "expected a desktop with a monitor, got a session without X11 and without Wayland");
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
     return fail(*outcome, std::string("expected a desktop with a monitor, got \"") + SDL_GetError() + "\"");
   Screen screen;
+  // Without a desktop SDL draws into memory.
+  const std::string driver = SDL_GetCurrentVideoDriver();
+  if (driver == "offscreen" || driver == "dummy" || driver == "evdev")
+    return fail(*outcome, "expected a desktop with a monitor, got SDL's driver \"" + driver +
+                              "\" without one; start the desktop, or set DISPLAY to the one that runs");
   const int monitors = SDL_GetNumVideoDisplays();
   if (job->monitor >= monitors)
     return fail(*outcome, "expected a monitor from 1 to " + std::to_string(monitors) + ", got " +

@@ -17,7 +17,7 @@ struct DisplayJob {
 
 /// What happened.
 struct DisplayOutcome {
-  long shown = 0, missed = 0;  ///< pictures; times at which the next one was due, but came later
+  long shown = 0, missed = 0;  ///< changes of the picture; times at which the next one was due, but came later
   double rate = 0;             ///< pictures per second that were asked for
   char problem[512] = "";      ///< a sentence, if nothing could be shown
 };

@@ -109,6 +109,19 @@ class Display(unittest.TestCase):
         self.assertLessEqual(int(words[0]), 2 * rate)
         self.assertGreater(int(words[0]), 1)
 
+    def test_counts_changes_only(self):
+        run = self.run_display(self.paths[0], "--seconds", "0.5")
+        self.assertTrue(run.stdout.startswith("1 hologram shown at "), run.stdout + run.stderr)
+
+    def test_needs_a_desktop(self):
+        for environment in ({"DISPLAY": "", "SDL_VIDEODRIVER": "offscreen"}, {"DISPLAY": ":4095", "SDL_VIDEODRIVER": ""},
+                            {"DISPLAY": "", "SDL_VIDEODRIVER": "dummy"}):
+            run = subprocess.run([PROGRAM, "display", self.paths[0], "--seconds", "1"], capture_output=True, text=True,
+                                 env={name: value for name, value in {**os.environ, **environment}.items() if value},
+                                 timeout=30)
+            self.assertEqual(run.returncode, 1, environment)
+            self.assertIn("expected a desktop with a monitor", run.stderr, environment)
+
     def test_refuses_what_does_not_fit(self):
         small = os.path.join(self.folder, "small.png")
         png(small, self.greys[0][:64 * 48], 64, 48)
