@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -60,6 +61,24 @@ TEST(File, AFolderWithoutPermissionIsNamed) {
             "expected to write " + folder +
                 "/x.txt, got \"Permission denied\"; choose a path in a folder with room where you may write");
   fs::permissions(folder, fs::perms::owner_all);
+}
+
+// Of many open files it says how to allow more, not to check permissions.
+TEST(File, TooManyOpenFilesAreNamed) {
+  const std::string path = test::make_file("x.txt", "text"), other = temporary("y.txt");
+  struct rlimit before {};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = dup(0);  // the number of the next file
+  close(next);
+  struct rlimit none = before;
+  none.rlim_cur = rlim_t(next);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string read = error_of([&] { read_text(path); }), written = error_of([&] { write_text(other, "text"); });
+  setrlimit(RLIMIT_NOFILE, &before);
+  const std::string advice =
+      ", got \"Too many open files\"; raise the limit on open files (ulimit -n), or close other programs";
+  EXPECT_EQ(read, "expected to read " + path + advice);
+  EXPECT_EQ(written, "expected to write " + other + advice);
 }
 
 TEST(File, MissingFilesAndFoldersAreNamed) {

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/new_file.h"
 
 namespace holotrace {
 
@@ -15,7 +16,7 @@ ByteSource::ByteSource(const std::string& path) : name_(path), file_(nullptr, st
   // Another file may take the name after it was checked: without O_NONBLOCK opening a pipe would wait for its writer.
   const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   file_.reset(descriptor < 0 ? nullptr : fdopen(descriptor, "rb"));
-  if (!file_) fail("expected to read {}, got \"{}\"; check its permissions", path, std::strerror(errno));
+  if (!file_) fail_to_read(path);
   struct stat status {};
   require(fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode), "expected a file at {}, got something else",
           path);

@@ -55,7 +55,7 @@ std::string read_text(const std::string& path, uint64_t most) {
   // Another file may take the name after this check: without O_NONBLOCK opening a pipe would wait for its writer.
   const int descriptor = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   const File file(descriptor < 0 ? nullptr : fdopen(descriptor, "rb"), std::fclose);
-  if (!file) fail("expected to read {}, got \"{}\"; check its permissions", path, std::strerror(errno));
+  if (!file) fail_to_read(path);
   struct stat status {};
   require(fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode), "expected a file at {}, got something else",
           path);

@@ -72,10 +72,22 @@ void remove_if_abandoned(const fs::path& path) {
   close(file);
 }
 
+// What to do about the system's reason not to open a file.
+std::string advice_on(const std::string& reason, const char* usual) {
+  const bool is_too_many = reason == std::strerror(EMFILE) || reason == std::strerror(ENFILE);
+  return is_too_many ? "raise the limit on open files (ulimit -n), or close other programs" : usual;
+}
+
 }  // namespace
 
 void fail_to_write(const std::string& path, const std::string& reason) {
-  fail("expected to write {}, got \"{}\"; choose a path in a folder with room where you may write", path, reason);
+  fail("expected to write {}, got \"{}\"; {}", path, reason,
+       advice_on(reason, "choose a path in a folder with room where you may write"));
+}
+
+void fail_to_read(const std::string& path) {
+  const std::string reason = std::strerror(errno);
+  fail("expected to read {}, got \"{}\"; {}", path, reason, advice_on(reason, "check its permissions"));
 }
 
 std::string temporary_name(const std::string& extension) {

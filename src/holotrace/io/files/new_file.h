@@ -59,4 +59,7 @@ void remove_abandoned(const std::string& folder);
 /// @throws Error  for a file that cannot be written, with the system's reason for it
 [[noreturn]] void fail_to_write(const std::string& path, const std::string& reason);
 
+/// @throws Error  for a file that cannot be opened for reading, with the reason in `errno`
+[[noreturn]] void fail_to_read(const std::string& path);
+
 }  // namespace holotrace

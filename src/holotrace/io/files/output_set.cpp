@@ -34,6 +34,7 @@ OutputSet::OutputSet(const std::string& folder) : folder_(folder.empty() ? "." :
     staging_ = (fs::path(folder_) / temporary_name("")).string();
     if (mkdir(staging_.c_str(), 0777) != 0) fail_to_write(folder_, std::strerror(errno));
     lock_ = open(staging_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_ < 0 && (errno == EMFILE || errno == ENFILE)) fail_to_write(folder_, std::strerror(errno));
     const bool is_taken = lock_ < 0 || (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK);
     if (!is_taken && fs::exists(staging_)) return;
     if (lock_ >= 0) close(lock_);
@@ -51,8 +52,10 @@ std::string OutputSet::path(const std::string& name) const { return (fs::path(st
 
 FileRecord OutputSet::record() const {
   FileRecord record;
-  for (const auto& entry : fs::directory_iterator(staging_))
-    record.emplace(entry.path().filename().string(), entry.file_size());
+  std::error_code error;
+  const fs::directory_iterator entries(staging_, error);
+  if (error) fail_to_write(folder_, error.message());
+  for (const auto& entry : entries) record.emplace(entry.path().filename().string(), entry.file_size());
   return record;
 }
 
