@@ -29,6 +29,22 @@ TEST(Checks, GridsWithoutPixelsOrPitchAreRefused) {
   EXPECT_EQ(error_of([] { check_wavelength(0); }), "expected a wavelength above 0 m, got 0 m");
 }
 
+// Numbers that lost their unit: 8 for 8 µm, 532 µm for 532 nm. Far infrared ends at 1 mm.
+TEST(Checks, SizesThatNoLightHasAreRefused) {
+  EXPECT_EQ(error_of([] {
+              check_grid({5, 5, 8});
+            }),
+            "expected a pixel pitch of at most 100 mm, got 8 m; give it in metres or with a unit");
+  EXPECT_EQ(error_of([] { check_wavelength(1); }),
+            "expected a wavelength of at most 1 mm, got 1 m; visible light has 380 to 780 nm");
+  EXPECT_EQ(error_of([] { check_wavelength(10.6e-6, {5, 5, 8e-6}); }), "no error");  // a laser of carbon dioxide
+  EXPECT_EQ(error_of([] { check_wavelength(49e-6, {5, 5, 1e-6}); }), "no error");
+  EXPECT_EQ(error_of([] {
+              check_wavelength(532e-6, {5, 5, 8e-6});
+            }),
+            "expected a wavelength of at most 50 pixels of 8 µm, got 532 µm");
+}
+
 TEST(Checks, WavesKeepToAConeThatThePanelHolds) {
   Sources sources{532e-9, {{{0, 0, -0.1}, 1, 0}}};
   for (const double cone : {0.0, 450e-9, 532e-9}) {

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "holotrace/base/units.h"
 #include "holotrace/run/illumination_plan.h"
+#include "support/error_of.h"
 
 namespace holotrace::test {
 namespace {
@@ -27,6 +29,22 @@ TEST(IlluminationPlan, CountsFromTheImageToThePupil) {
   ASSERT_EQ(std::ceil(moved / half), 28);
   EXPECT_EQ(plan_illumination(slm, show, wavelength, ImageSide::real_image, {from}, {}).needed, 28);
   EXPECT_EQ(plan_illumination(slm, show, wavelength, ImageSide::virtual_image, {from}, {}).needed, 8);
+}
+
+// A pixel of 8 µm holds light of 532 nm up to asin(λ/2p) = 1.9°. The source's middle is within, its edge at 15° is not: that
+// is said before the first of many states is shown.
+TEST(IlluminationPlan, RefusesAStateThatThePixelsCannotHold) {
+  Slm slm;
+  slm.grid = {64, 48, 8e-6};
+  ShowParams show;
+  show.source_angle = 30 * pi / 180;
+  show.illumination_states = 16;
+  const Viewpoint from{ViewKind::distance, "look", 0.1, 0, {}};
+  const auto plan = [&] { plan_illumination(slm, show, 532e-9, ImageSide::virtual_image, {from}, {}); };
+  EXPECT_NE(error_of(plan).find("expected light that meets the panel below 1.905"), std::string::npos)
+      << error_of(plan);
+  show.source_angle = 1 * pi / 180;
+  EXPECT_NO_THROW(plan());
 }
 
 }  // namespace

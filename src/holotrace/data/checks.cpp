@@ -14,6 +14,8 @@ namespace holotrace {
 void check_grid(const Grid& grid) {
   require(grid.nx > 0 && grid.ny > 0, "expected a grid of at least 1 × 1 pixels, got {} × {}", grid.nx, grid.ny);
   require(std::isfinite(grid.pitch) && grid.pitch > 0, "expected a pixel pitch above 0 m, got {} m", grid.pitch);
+  require(grid.pitch <= largest_pitch, "expected a pixel pitch of at most {}, got {}; give it in metres or with a unit",
+          format_length(largest_pitch), format_length(grid.pitch));
 }
 
 void check_field_fits(const Grid& grid, double bytes_per_sample) {
@@ -22,6 +24,16 @@ void check_field_fits(const Grid& grid, double bytes_per_sample) {
 
 void check_wavelength(double wavelength) {
   require(std::isfinite(wavelength) && wavelength > 0, "expected a wavelength above 0 m, got {} m", wavelength);
+  require(wavelength <= longest_wavelength,
+          "expected a wavelength of at most {}, got {}; visible light has 380 to 780 nm",
+          format_length(longest_wavelength), format_length(wavelength));
+}
+
+void check_wavelength(double wavelength, const Grid& grid) {
+  check_wavelength(wavelength);
+  constexpr double most = 50;
+  require(wavelength <= most * grid.pitch, "expected a wavelength of at most {:g} pixels of {}, got {}", most,
+          format_length(grid.pitch), format_length(wavelength));
 }
 
 void check_cone(double cone_wavelength, double wavelength) {

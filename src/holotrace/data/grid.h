@@ -22,13 +22,19 @@ struct Grid {
   bool operator==(const Grid&) const = default;
 };
 
-/// @throws Error unless the grid has pixels and a positive, finite pitch.
+constexpr double largest_pitch = 0.1;        ///< [m]; larger ones are numbers without their unit
+constexpr double longest_wavelength = 1e-3;  ///< [m]; far infrared
+
+/// @throws Error unless the grid has pixels and a pitch above 0 m, up to largest_pitch.
 void check_grid(const Grid& grid);
 
 /// @throws Error, stating the memory needed, unless a field with that many bytes per sample fits in this machine.
 void check_field_fits(const Grid& grid, double bytes_per_sample);
 
-/// @throws Error unless the wavelength [m] is positive and finite.
+/// @throws Error unless the wavelength [m] is above 0 m, up to longest_wavelength.
 void check_wavelength(double wavelength);
+
+/// The same for light on pixels, also unless it is at most 50 times their pitch: no panel and no sampling is that fine.
+void check_wavelength(double wavelength, const Grid& grid);
 
 }  // namespace holotrace

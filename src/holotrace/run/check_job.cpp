@@ -11,6 +11,7 @@
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
+#include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/stop.h"
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/shade_triangles.h"
@@ -99,7 +100,7 @@ void check_job(const Job& job) {
   check_ranges(job.show);
   check_ranges(job.propagate);
   check_ranges(job.camera);
-  for (const double wavelength : job.wavelengths) check_wavelength(wavelength);
+  for (const double wavelength : job.wavelengths) check_wavelength(wavelength, job.slm.grid);
   for (size_t i = 0; i < job.wavelengths.size(); ++i)
     require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,
             "expected wavelengths that differ, got {} twice; leave one out, or ask for frames",
@@ -128,6 +129,9 @@ void check_job(const Job& job) {
         "without eyes",
         target, job.encode.subpixels);
   }
+  EncodeParams encoding = job.encode;
+  encoding.method = method_or(job.encode.method, Encoding::phase);
+  check_encoding(job.slm, encoding, {});
   eyebox_of(job.encode);  // also where waves or other targets leave eyes unused
   eyes_of(job.encode);
   if (aims_at_eyes(job)) check_eyes(job);

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/slm/panel/illumination.h"
 #include "holotrace/view/camera.h"
 
 namespace holotrace {
@@ -90,6 +93,11 @@ IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, dou
   plan.states = illumination_states(with, taken, wavelength);
   if (!is_shared)
     for (IlluminationState& state : plan.states) state.source.angle = params.source_angle;
+  const auto samples_along = [&](int pixels) {  // viewing_need refuses too many
+    return int(std::min<int64_t>(int64_t(pixels) * params.subpixels, std::numeric_limits<int>::max()));
+  };
+  const Grid samples{samples_along(slm.grid.nx), samples_along(slm.grid.ny), slm.grid.pitch / params.subpixels};
+  for (const IlluminationState& state : plan.states) check_illumination(samples, params, state);
   return plan;
 }
 

@@ -38,7 +38,7 @@ struct IlluminationPlan {
 /// Flicker takes 16. The largest of these numbers is used, at most 256; beyond that a warning says what is left out.
 ///
 /// @param filter  the encoder's stop, if it is known
-/// @throws Error  as illumination_states does
+/// @throws Error  as illumination_states does, and as check_illumination does for each of them
 IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
                                    const std::vector<Viewpoint>& from,
                                    const std::optional<SpectralFilter>& filter = {});

@@ -106,7 +106,7 @@ void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& 
 }
 
 void check_head_to_show(const Field& field, const Slm& slm, const Observer& observer) {
-  check_wavelength(field.wavelength);
+  check_wavelength(field.wavelength, slm.grid);
   require_grid_of(slm, field.grid, "field");
   if (field.z != 0)
     observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",

@@ -49,9 +49,28 @@ Array2D<Complex> spherical(const Grid& grid, Vec3 centre, double distance, doubl
   return out;
 }
 
+// The place of a spherical wave's source.
+Vec3 centre_of(const ShowParams& params, const IlluminationState& state) {
+  const double sx = std::sin(state.tilt_x), sy = std::sin(state.tilt_y);
+  return -params.source_distance * Vec3{sx, sy, std::sqrt(1 - sx * sx - sy * sy)};
+}
+
+void check_spherical(const Grid& grid, Vec3 centre, double wavelength) {
+  double steepest_u = 0, steepest_v = 0;
+  // The steepest places: at the edges along one axis, nearest to the centre along the other.
+  const double right = grid.x(grid.nx - 1), top = grid.y(0);
+  const double near_x = std::clamp(centre.x, -right, right), near_y = std::clamp(centre.y, -top, top);
+  for (const double sign : {-1.0, 1.0}) {
+    const Vec3 along_x = Vec3{sign * right, near_y, 0} - centre, along_y = Vec3{near_x, sign * top, 0} - centre;
+    steepest_u = std::max(steepest_u, std::abs(along_x.x) / length(along_x) / wavelength);
+    steepest_v = std::max(steepest_v, std::abs(along_y.y) / length(along_y) / wavelength);
+  }
+  require_held(steepest_u, steepest_v, grid, wavelength);
+}
+
 }  // namespace
 
-Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state) {
+void check_illumination(const Grid& grid, const ShowParams& params, const IlluminationState& state) {
   require(std::isfinite(state.tilt_x) && std::isfinite(state.tilt_y) &&
               std::max(std::abs(state.tilt_x), std::abs(state.tilt_y)) < pi / 2,
           "expected light tilted by less than 90°, got {} in x, {} in y", format_angle(state.tilt_x),
@@ -59,30 +78,27 @@ Illumination illuminate(const Grid& grid, const ShowParams& params, const Illumi
   const double sx = std::sin(state.tilt_x), sy = std::sin(state.tilt_y), wavelength = state.wavelength;
   require(sx * sx + sy * sy < 1, "expected light that meets the panel, got tilts of {} in x and {} in y together",
           format_angle(state.tilt_x), format_angle(state.tilt_y));
-  Illumination light;
   if (params.light == Wavefront::spherical) {
     const double d = params.source_distance;
     require(std::isfinite(d) && d != 0,
             "expected a source distance other than 0 m for spherical light, got {}; below 0 m it converges",
             format_length(d));
-    const Vec3 centre = -d * Vec3{sx, sy, std::sqrt(1 - sx * sx - sy * sy)};
-    double steepest_u = 0, steepest_v = 0;
-    // The steepest places: at the edges along one axis, nearest to the centre along the other.
-    const double right = grid.x(grid.nx - 1), top = grid.y(0);
-    const double near_x = std::clamp(centre.x, -right, right), near_y = std::clamp(centre.y, -top, top);
-    for (const double sign : {-1.0, 1.0}) {
-      const Vec3 along_x = Vec3{sign * right, near_y, 0} - centre, along_y = Vec3{near_x, sign * top, 0} - centre;
-      steepest_u = std::max(steepest_u, std::abs(along_x.x) / length(along_x) / wavelength);
-      steepest_v = std::max(steepest_v, std::abs(along_y.y) / length(along_y) / wavelength);
-    }
-    require_held(steepest_u, steepest_v, grid, wavelength);
-    light.samples = spherical(grid, centre, d, wavelength);
+    return check_spherical(grid, centre_of(params, state), wavelength);
+  }
+  require(params.light != Wavefront::gaussian || (std::isfinite(params.beam_radius) && params.beam_radius > 0),
+          "expected a beam radius above 0 m for Gaussian light, got {}", format_length(params.beam_radius));
+  require_held(std::abs(sx) / wavelength, std::abs(sy) / wavelength, grid, wavelength);
+}
+
+Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state) {
+  check_illumination(grid, params, state);
+  const double sx = std::sin(state.tilt_x), sy = std::sin(state.tilt_y), wavelength = state.wavelength;
+  Illumination light;
+  if (params.light == Wavefront::spherical) {
+    light.samples = spherical(grid, centre_of(params, state), params.source_distance, wavelength);
     return light;
   }
   const bool is_beam = params.light == Wavefront::gaussian;
-  require(!is_beam || (std::isfinite(params.beam_radius) && params.beam_radius > 0),
-          "expected a beam radius above 0 m for Gaussian light, got {}", format_length(params.beam_radius));
-  require_held(std::abs(sx) / wavelength, std::abs(sy) / wavelength, grid, wavelength);
   if (!is_beam && sx == 0 && sy == 0) return light;
   const double radius = is_beam ? params.beam_radius : 0;
   light.along_x = line(grid.nx, sx / wavelength, radius, [&](int i) { return grid.x(i); });

@@ -24,9 +24,14 @@ struct Illumination {
   bool is_even() const { return along_x.empty() && samples.size() == 0; }
 };
 
+/// Checks light before the work on it.
+/// @param grid    samples of the light on the panel
 /// @param state   its wavelength and tilt are used
 /// @throws Error  for tilts of 90° and more; for a source distance or beam radius that is needed but 0 or not finite;
 ///                for light too steep for the samples of the grid, giving the steepest that they can represent
+void check_illumination(const Grid& grid, const ShowParams& params, const IlluminationState& state);
+
+/// @throws Error  as check_illumination does
 Illumination illuminate(const Grid& grid, const ShowParams& params, const IlluminationState& state);
 
 /// The mean of |light|² over the grid: its power relative to plane light.
