@@ -88,7 +88,7 @@ void add_estimate_command(Command& app, const GlobalFlags& global) {
       "seconds more");
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o, &global] {
-    check_flag("--fps", o->frames_per_second, range::positive, Quantity::number);
+    check_flag("--fps", o->frames_per_second, range::above_to(0, 1e6), Quantity::number);
     const CostAnswer a =
         answer_about_cost(load_scene(o->scene, global.outside()), o->frames_per_second, o->has_accelerators);
     if (o->is_json)

@@ -30,11 +30,11 @@ void check_flag(const char* flag, double value, const Range& range, Quantity qua
 }
 
 double parse_length_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] { return length_within(text, range); });
+  return read_flag(flag, [&] { return length_within(text, range, flag); });
 }
 
 std::vector<double> parse_lengths_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] { return lengths_within(text, range); });
+  return read_flag(flag, [&] { return lengths_within(text, range, flag); });
 }
 
 double parse_angle_flag(const char* flag, const std::string& text, const Range& range) {

@@ -23,6 +23,9 @@ void bind_field(nb::module_& module, const char* name) {
         F field;
         field.grid.pitch = to_length(pitch, "pitch");
         check_named(field.grid.pitch, range::positive, Quantity::length, "pitch");
+        require(field.grid.pitch <= largest_pitch,
+                "expected a pitch in metres of at most {}, got {}; write \"{:g} um\"", format_length(largest_pitch),
+                format_length(field.grid.pitch), field.grid.pitch);
         field.wavelength = to_wavelength(wavelength);
         field.samples = to_array(samples, "the samples of a field");
         field.grid.nx = field.samples.nx;

@@ -5,6 +5,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/printable.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/grid.h"
 
 namespace holotrace::python {
 namespace {
@@ -50,8 +51,6 @@ void each_item(nb::handle value, const char* name, const char* expected, const V
   for (const nb::handle item : nb::iter(value)) visit(item);
 }
 
-constexpr double longest_wavelength = 1e-3;  // [m]: far infrared
-
 void check_wavelength_of(double metres, nb::handle value, const char* name) {
   check_named(metres, range::positive, Quantity::length, name);
   if (metres <= longest_wavelength) return;
@@ -74,7 +73,8 @@ void check_named(double value, const Range& range, Quantity quantity, const char
 }
 
 double to_length(nb::handle value, const char* name) {
-  return to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",", parse_length);
+  return to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",",
+                     [&](const std::string& text) { return parse_length(text, name); });
 }
 
 double to_angle(nb::handle value, const char* name) {
@@ -84,7 +84,7 @@ double to_angle(nb::handle value, const char* name) {
 std::vector<double> to_lengths(nb::handle value, const char* name) {
   if (is_text(value)) {
     try {
-      return parse_lengths(as_text(value));
+      return parse_lengths(as_text(value), name);
     } catch (const Error& error) {
       fail("{} for \"{}\"", error.what(), name);
     }

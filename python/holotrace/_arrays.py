@@ -11,6 +11,8 @@ from . import _core
 
 def array_of(values: Any, what: str) -> np.ndarray[Any, Any]:
     """The values as an array, whatever they are."""
+    if np.ma.is_masked(values):
+        raise _core.Error(f"expected an array without masked values for {what}; fill them with .filled(0)")
     try:
         return np.asarray(values)
     except ValueError as error:  # such as rows of different lengths

@@ -46,6 +46,15 @@ TEST(Units, LengthsShareATrailingUnitOrCarryTheirOwn) {
   EXPECT_EQ(parse_lengths("1 mm, 2 um, 0.3 m"), (std::vector<double>{1e-3, 2e-6, 0.3}));
 }
 
+TEST(Units, ErrorsShowALengthThatSuitsTheName) {
+  EXPECT_EQ(error_of([] { parse_length("red", "--wavelength"); }),
+            "expected a length with its unit, such as \"532 nm\", got \"red\"");
+  EXPECT_EQ(error_of([] { parse_lengths("red", "--wavelength"); }),
+            "expected a length with its unit, such as \"532 nm\", got \"red\"");
+  EXPECT_EQ(error_of([] { parse_length("8", "pitch"); }),
+            "expected a length with its unit, such as \"8 um\", got \"8\" without a unit");
+}
+
 TEST(Units, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of([] { parse_length("300"); }),
             "expected a length with its unit, such as \"300 mm\", got \"300\" without a unit");
@@ -55,6 +64,9 @@ TEST(Units, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of([] { parse_length(""); }), "expected a length with its unit, such as \"300 mm\", got \"\"");
   EXPECT_EQ(error_of([] { parse_length("nan m"); }), "expected a length that is finite, got \"nan m\"");
   EXPECT_EQ(error_of([] { parse_length("inf m"); }), "expected a length that is finite, got \"inf m\"");
+  EXPECT_EQ(parse_length("1000000 m"), most_length);
+  EXPECT_EQ(error_of([] { parse_length("1e308 mm"); }), "expected a length of at most 1e+06 m, got \"1e308 mm\"");
+  EXPECT_EQ(error_of([] { parse_lengths("0 0 -2e6 m"); }), "expected a length of at most 1e+06 m, got \"0 0 -2e6 m\"");
   EXPECT_EQ(error_of([] { parse_length("1 mm 2 mm"); }), "expected one length, got 2 in \"1 mm 2 mm\"");
   EXPECT_EQ(error_of([] { parse_angle("15"); }),
             "expected an angle with its unit, such as \"15 deg\", got \"15\" without a unit");

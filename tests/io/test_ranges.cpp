@@ -56,6 +56,10 @@ TEST(Ranges, AreWrittenInWords) {
   };
   EXPECT_EQ(sentence(0, range::positive, Quantity::length), "expected a length above 0 m, got 0 m");
   EXPECT_EQ(sentence(-532e-9, range::positive, Quantity::length), "expected a length above 0 m, got -532 nm");
+  EXPECT_EQ(sentence(2e6, range::not_negative, Quantity::length), "expected a length of at most 1e+06 m, got 2e+06 m");
+  EXPECT_EQ(sentence(-2e6, range::any, Quantity::length), "expected a length of at most 1e+06 m, got -2e+06 m");
+  EXPECT_EQ(sentence(1e308, range::not_negative, Quantity::number), "expected a number of at most 1e+18, got 1e+308");
+  EXPECT_EQ(sentence(1e18, range::not_negative, Quantity::number), "no error");
   EXPECT_EQ(sentence(-1, range::not_negative, Quantity::count), "expected a whole number of 0 or more, got -1");
   EXPECT_EQ(sentence(1.5, range::fraction, Quantity::number), "expected a number from 0 to 1, got 1.5");
   EXPECT_EQ(sentence(0, range::above_to(0, 1), Quantity::number), "expected a number above 0, up to 1, got 0");

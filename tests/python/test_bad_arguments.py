@@ -124,7 +124,15 @@ def test_some_sentences():
         ("encode frames", "two", 'expected a whole number for "frames", got .two.'),
         ("Slm levels", 10**12, 'expected a whole number from 0 to 2147483647 for "levels", got 1000000000000'),
         ("Hologram slm", "pluto", r"expected an Slm for the hologram's panel, got str; make one with ht.Slm\(...\)"),
+        ("Field", BAD["masked"], "expected an array without masked values for the samples of a field"),
         ("view", None, "expected a hologram or several to view, got NoneType"),
     ):
         with pytest.raises(ht.Error, match=sentence):
             CALLS[call](value)
+
+
+def test_metres_without_their_exponent():
+    with pytest.raises(ht.Error, match='expected a pitch in metres of at most 100 mm, got 8 m; write "8 um"'):
+        ht.Field(GOOD, pitch=8, wavelength="532 nm")
+    with pytest.raises(ht.Error, match="expected metres"):
+        ht.Field(GOOD, pitch=8e-6, wavelength=532)

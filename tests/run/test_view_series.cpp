@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "holotrace/run/view_series.h"
+#include "support/error_of.h"
 
 namespace holotrace::test {
 namespace {
@@ -24,6 +27,19 @@ std::vector<Viewpoint> sweep_through(Sweep kind, const std::vector<double>& posi
     from.push_back(view);
   }
   return from;
+}
+
+// The list of views alone would take gigabytes.
+TEST(Viewpoints, OfASweepAreTenThousandAtMost) {
+  CameraParams camera;
+  camera.sweep = Sweep::focus;
+  camera.sweep_from = 0.1;
+  camera.sweep_to = 0.2;
+  camera.sweep_views = 10000;
+  EXPECT_EQ(viewpoints(camera, {}).size(), 10001U);  // and the one at `distances`
+  camera.sweep_views = std::numeric_limits<int>::max();
+  EXPECT_EQ(error_of([&] { viewpoints(camera, {}); }),
+            "expected a whole number from 2 to 10000 for \"sweep_views\", got 2147483647");
 }
 
 // With the two values m ± d the variance over the squared mean is (d/m)², whatever the brightness; 0 for even pictures

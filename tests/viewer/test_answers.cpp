@@ -57,7 +57,7 @@ TEST_F(AnswersOf, ErrorsAsSentences) {
   const HttpAnswer answer = ask("view", "pupil=4");
   EXPECT_EQ(answer.status, 400);
   EXPECT_EQ(Json::parse(answer.body)["error"],
-            "pupil: expected a length with its unit, such as \"300 mm\", got \"4\" without a unit");
+            "pupil: expected a length with its unit, such as \"3 mm\", got \"4\" without a unit");
   EXPECT_EQ(ask("view", "a=%").status, 400);
   EXPECT_EQ(ask("panel", "item=0&as=other").status, 400);
   EXPECT_EQ(ask("panel", "item=99999999999999999999&as=level").status, 400);

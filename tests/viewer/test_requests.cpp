@@ -61,7 +61,7 @@ TEST(Requests, NameWhatIsWrong) {
   };
   EXPECT_EQ(error({{"pupill", "4 mm"}}), "unknown key \"pupill\"; did you mean \"pupil\"?");
   EXPECT_EQ(error({{"pupil", "4"}}),
-            "pupil: expected a length with its unit, such as \"300 mm\", got \"4\" without a unit");
+            "pupil: expected a length with its unit, such as \"3 mm\", got \"4\" without a unit");
   EXPECT_EQ(error({{"pupil", "-1 mm"}}), "pupil: expected a length of 0 m or more, got -1 mm");
   EXPECT_EQ(error({{"distance", "1 2 mm"}}), "expected one distance, got 2");
   EXPECT_EQ(error({{"subpixels", "6"}}), "expected at most 5 subpixels here, got 6; use holotrace show");

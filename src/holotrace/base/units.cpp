@@ -118,18 +118,36 @@ double only(const std::vector<double>& values, std::string_view text, const char
   return values.front();
 }
 
+std::vector<double> lengths_of(std::string_view text, const char* example) {
+  std::vector<double> lengths = parse(text, length_units, "a length", example);
+  for (const double metres : lengths)
+    require(std::abs(metres) <= most_length, "expected a length of at most {}, got \"{}\"", format_length(most_length),
+            text);
+  return lengths;
+}
+
 }  // namespace
 
-double parse_length(std::string_view text) {
-  return only(parse(text, length_units, "a length", "300 mm"), text, "length");
+const char* length_example(std::string_view name) {
+  const auto has = [&](std::string_view word) { return name.find(word) != std::string_view::npos; };
+  if (has("wavelength")) return "532 nm";
+  if (has("bandwidth")) return "2 nm";
+  if (has("pitch") || has("pixel")) return "8 um";
+  if (has("pupil") || has("eyebox") || has("radius")) return "3 mm";
+  return "300 mm";
+}
+
+double parse_length(std::string_view text, std::string_view name) {
+  return only(lengths_of(text, length_example(name)), text, "length");
 }
 
 double parse_angle(std::string_view text) {
   return only(parse(text, angle_units, "an angle", "15 deg"), text, "angle");
 }
 
-std::vector<double> parse_lengths(std::string_view text) {
-  return parse(text, length_units, "a length", "0 0 -300 mm");
+std::vector<double> parse_lengths(std::string_view text, std::string_view name) {
+  const bool is_place = name.empty() || name == "eye" || name == "position";
+  return lengths_of(text, is_place ? "0 0 -300 mm" : length_example(name));
 }
 
 double parse_size(std::string_view text) {

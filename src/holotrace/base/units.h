@@ -25,9 +25,16 @@ constexpr double operator""_deg(long double v) { return double(v * std::numbers:
 constexpr double operator""_deg(unsigned long long v) { return double(v * std::numbers::pi_v<long double> / 180); }
 }  // namespace literals
 
+/// A usual value of the key or flag with that name, for errors: "532 nm" for a wavelength.
+const char* length_example(std::string_view name);
+
+/// No length is larger [m]: over it, double precision has the phase of light to a thousandth of a cycle.
+inline constexpr double most_length = 1e6;
+
 /// Metres from a number with its unit: "532 nm", "8um", "-0.3 m". Units: m, cm, mm, um, µm, nm.
-/// @throws Error for a missing or unknown unit, or a number that is not finite.
-double parse_length(std::string_view text);
+/// @param name  of the key or flag; errors give an example that suits it
+/// @throws Error for a missing or unknown unit, or a number that is not finite or above most_length.
+double parse_length(std::string_view text, std::string_view name = {});
 
 /// Radians from a number with its unit: "15 deg", "0.2 rad", "3 mrad".
 /// @throws Error for a missing or unknown unit, or a number that is not finite.
@@ -36,7 +43,7 @@ double parse_angle(std::string_view text);
 /// Metres from several numbers that share one unit at the end, "0 0 -300 mm", or have one each,
 /// "1 mm, 2 um, 0.3 m".
 /// @throws Error as parse_length does.
-std::vector<double> parse_lengths(std::string_view text);
+std::vector<double> parse_lengths(std::string_view text, std::string_view name = {});
 
 /// Bytes from a number with its unit: "2 GB", "512MiB". Units: B, kB, MB, GB, TB (powers of 1000), KiB, MiB, GiB, TiB.
 /// @throws Error as parse_length does, and for a size of 0 or less.

@@ -19,7 +19,7 @@ void check_distance(double distance) {
 
 Limits limits(const Grid& grid, double wavelength, double distance) {
   check_grid(grid);
-  check_wavelength(wavelength);
+  check_wavelength(wavelength, grid);
   check_distance(distance);
   const double sx = grid.width(), sy = grid.height(), z = distance;
   Limits l;

@@ -215,7 +215,7 @@ LightField light_field_of(Target&& target, const Accelerator& scene, const Grid&
 void check_tracing(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params) {
   check_scene(scene);
   check_grid(panel);
-  check_wavelength(wavelength);
+  check_wavelength(wavelength, panel);
   check_ranges(params);
 }
 

@@ -256,7 +256,7 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   check_scene(scene);
   check_grid(panel);
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
-  for (const double wavelength : wavelengths) check_wavelength(wavelength);
+  for (const double wavelength : wavelengths) check_wavelength(wavelength, panel);
   check_gather(params);
   const double side = cell_side(params, panel);
   const bool has_cone = params.directions == Directions::acceptance;

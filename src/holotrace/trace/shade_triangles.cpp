@@ -238,7 +238,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   check_scene(scene);
   check_grid(panel);
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
-  for (const double wavelength : wavelengths) check_wavelength(wavelength);
+  for (const double wavelength : wavelengths) check_wavelength(wavelength, panel);
   check_shading(scene, params);
   const Cones cones = cones_of(wavelengths, params);
   const double longest = *std::max_element(wavelengths.begin(), wavelengths.end());

@@ -137,7 +137,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   check_scene(scene);
   check_grid(panel);
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
-  for (const double wavelength : wavelengths) check_wavelength(wavelength);
+  for (const double wavelength : wavelengths) check_wavelength(wavelength, panel);
   check_params(params);
   const std::vector<PanelTile> tiles = make_tiles(params, panel);
   const double side = cell_side(params, panel);

@@ -157,7 +157,7 @@ TEST(SceneWavelengths, WrongListsArePlaced) {
   EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", \"0 nm\"]"),
             "1:14: expected a length above 0 m for \"wavelength\", got 0 m");
   EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", 450]"),
-            "1:25: expected a length with its unit, such as \"300 mm\", for \"wavelength\", got the bare number 450");
+            "1:25: expected a length with its unit, such as \"532 nm\", for \"wavelength\", got the bare number 450");
   EXPECT_EQ(error_before_cube("wavelength = [\"520 nm\", \"-450 nm\"]"),
             "1:14: expected a length above 0 m for \"wavelength\", got -450 nm");
 }

@@ -70,10 +70,11 @@ void describe(Visitor& v, CameraParams& p) {
   v.count("noise_seed", p.noise_seed, range::not_negative, "seed for the sensor's noise");
   v.choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
            "series of views with its animation: through planes of focus, or with the eye moving along x (parallax)");
-  v.count("sweep_views", p.sweep_views, range::at_least(2), "number of views of the series");
+  v.count("sweep_views", p.sweep_views, range::from_to(2, 10000), "number of views of the series");
   v.length("sweep_from", p.sweep_from, range::any, "first distance (focus) or first x of the eye (parallax)");
   v.length("sweep_to", p.sweep_to, range::any, "last distance (focus) or last x of the eye (parallax)");
-  v.number("sweep_seconds", p.sweep_seconds, range::positive, "duration of the animation in seconds, forward and back");
+  v.number("sweep_seconds", p.sweep_seconds, range::above_to(0, 3600),
+           "duration of the animation in seconds, forward and back");
 }
 
 }  // namespace holotrace

@@ -28,7 +28,7 @@ Eyebox eyebox_of(const EncodeParams& params) {
   if (params.eyebox.size() == 1 && params.eyebox.front() == "all") return {0, 0, false, true};
   std::vector<double> sides;
   for (const std::string& text : params.eyebox)
-    for (const double side : parse_lengths(text)) sides.push_back(side);
+    for (const double side : parse_lengths(text, "eyebox")) sides.push_back(side);
   require(
       sides.size() == 1 || sides.size() == 2,
       "expected a diameter, a width and a height, or \"all\" for the eyebox, got \"{}\"; give it as \"2 mm\" or \"6 2 mm\"",

@@ -70,6 +70,12 @@ std::string expected_text(const Range& range, Quantity quantity) {
 void check_range(double value, const Range& range, Quantity quantity, const std::string& about) {
   if (!range.has(value))
     fail("expected {}{}, got {}", expected_text(range, quantity), about, value_text(value, quantity));
+  const double most = quantity == Quantity::length   ? most_length
+                      : quantity == Quantity::number ? most_number
+                                                     : std::numeric_limits<double>::infinity();
+  if (std::abs(value) > most)
+    fail("expected {} of at most {}{}, got {}", noun(quantity), value_text(most, quantity), about,
+         value_text(value, quantity));
 }
 
 }  // namespace holotrace

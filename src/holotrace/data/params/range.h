@@ -18,6 +18,9 @@ struct Range {
   bool has(double value) const;
 };
 
+/// No number of a job is larger: its square fits in single precision.
+inline constexpr double most_number = 1e18;
+
 /// What a parameter counts or measures; it decides how errors and help texts write the values.
 enum class Quantity { count, number, length, angle };
 
@@ -51,7 +54,7 @@ std::string bounds_text(const Range& range, Quantity quantity);
 /// A text for a valid value: "a length above 0 m", "a whole number of 1 or more".
 std::string expected_text(const Range& range, Quantity quantity);
 
-/// Checks a value against a range; scene files, flags and the library's verbs all use it.
+/// Checks a value against a range, most_length (base/units.h) and most_number; scene files, flags and the library's verbs all use it.
 /// @param about  text between the range and the value: " for \"pupil\""
 /// @throws Error "expected a length above 0 m for "pupil", got -1 mm"
 void check_range(double value, const Range& range, Quantity quantity, const std::string& about = "");

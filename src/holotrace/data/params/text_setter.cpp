@@ -5,14 +5,14 @@
 
 namespace holotrace {
 
-double length_within(const std::string& text, const Range& range) {
-  const double metres = parse_length(text);
+double length_within(const std::string& text, const Range& range, const std::string& name) {
+  const double metres = parse_length(text, name);
   check_range(metres, range, Quantity::length);
   return metres;
 }
 
-std::vector<double> lengths_within(const std::string& text, const Range& range) {
-  std::vector<double> lengths = parse_lengths(text);
+std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name) {
+  std::vector<double> lengths = parse_lengths(text, name);
   for (const double metres : lengths) check_range(metres, range, Quantity::length);
   return lengths;
 }
@@ -54,7 +54,7 @@ void TextSetter::flag(const char* name, bool& v, const char*) {
 }
 
 void TextSetter::length(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = length_within(text, range); });
+  set(name, [&](const std::string& text) { v = length_within(text, range, name); });
 }
 
 void TextSetter::angle(const char* name, double& v, const Range& range, const char*) {
@@ -62,12 +62,12 @@ void TextSetter::angle(const char* name, double& v, const Range& range, const ch
 }
 
 void TextSetter::lengths(const char* name, std::vector<double>& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = lengths_within(text, range); });
+  set(name, [&](const std::string& text) { v = lengths_within(text, range, name); });
 }
 
 void TextSetter::position(const char* name, Vec3& v, const Range& range_of_z, const char*) {
   set(name, [&](const std::string& text) {
-    const std::vector<double> lengths = parse_lengths(text);
+    const std::vector<double> lengths = parse_lengths(text, name);
     require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
     check_range(lengths[2], range_of_z, Quantity::length, " for z");
     v = {lengths[0], lengths[1], lengths[2]};

@@ -26,9 +26,9 @@ auto read_flag(const std::string& flag, const Read& read) {
   }
 }
 
-/// A length [m], lengths [m] or an angle [rad] from a text. @throws Error if it is invalid or outside the range
-double length_within(const std::string& text, const Range& range);
-std::vector<double> lengths_within(const std::string& text, const Range& range);
+/// A length [m], lengths [m] or an angle [rad] from a text, for the parameter of that name. @throws Error if it is invalid or outside the range
+double length_within(const std::string& text, const Range& range, const std::string& name);
+std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name);
 double angle_within(const std::string& text, const Range& range);
 
 /// A visitor of `describe` that sets the fields for which texts are given, such as the values of flags or of a query.

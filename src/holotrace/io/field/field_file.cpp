@@ -87,7 +87,7 @@ template <class Real>
 void check_loaded(const std::string& path, const BasicField<Real>& field) {
   try {
     check_grid(field.grid);
-    check_wavelength(field.wavelength);
+    check_wavelength(field.wavelength, field.grid);
   } catch (const Error& e) {
     fail("{}: {}; correct its metadata", path, e.what());
   }

@@ -40,7 +40,7 @@ RefractiveIndex from_list(TomlTable& table, const char* key, const toml::array& 
     if (!wavelength) table.fail_kind(key, expected, (*row)[0]);
     RefractiveIndex::Sample sample{0, 0, 0};
     try {
-      sample.wavelength = parse_length(*wavelength);
+      sample.wavelength = parse_length(*wavelength, "wavelength");
     } catch (const Error& e) {
       fail("{}{} for \"{}\"", table.place((*row)[0].source()), e.what(), key);
     }

@@ -47,7 +47,7 @@ void centre(std::vector<IlluminationState>& all, double IlluminationState::*valu
 }  // namespace
 
 std::vector<IlluminationState> illumination_states(const Slm& slm, const ShowParams& params, double wavelength) {
-  check_wavelength(wavelength);
+  check_wavelength(wavelength, slm.grid);
   check_ranges(params);
   const double ripple = slm.effects.flicker;
   const bool is_one = params.bandwidth == 0 && params.source_angle == 0 && !(ripple > 0);

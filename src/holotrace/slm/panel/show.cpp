@@ -29,7 +29,7 @@ void check_levels_of(const Hologram& hologram, const Array2D<uint16_t>& level) {
 
 void check_hologram(const Hologram& hologram, const Slm& slm) {
   check_levels(hologram.levels);
-  check_wavelength(hologram.wavelength);
+  check_wavelength(hologram.wavelength, slm.grid);
   require_grid_of(slm, hologram.grid, "hologram");
   require(hologram.level.nx == hologram.grid.nx && hologram.level.ny == hologram.grid.ny,
           "expected {} × {} levels, as the hologram's grid says, got {} × {}", hologram.grid.nx, hologram.grid.ny,

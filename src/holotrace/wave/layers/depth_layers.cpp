@@ -190,7 +190,7 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const L
                              const Observer& observer) {
   check_grid(panel);
   const double wavelength = light.wavelength;
-  check_wavelength(wavelength);
+  check_wavelength(wavelength, panel);
   check_cone(light.cone_wavelength, wavelength);
   check_depth_image(image);
   check_params(params, synthesis);

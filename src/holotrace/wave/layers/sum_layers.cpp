@@ -95,7 +95,7 @@ void check_memory(const LayerWindow& w, const Grid& panel, double slice_samples,
 
 Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& observer) {
   check_grid(grid);
-  check_wavelength(stack.wavelength);
+  check_wavelength(stack.wavelength, grid);
   check_cone(stack.cone_wavelength, stack.wavelength);
   require(!stack.depths.empty() && stack.grids.size() == stack.depths.size(),
           "expected at least one slice, with a grid for each, got {} depths and {} grids", stack.depths.size(),

@@ -47,7 +47,7 @@ template <class Real>
 Propagator<Real> plan_propagator(const Grid& grid, double wavelength, double distance, const PropagateParams& params,
                                  const Observer& observer) {
   check_grid(grid);
-  check_wavelength(wavelength);
+  check_wavelength(wavelength, grid);
   require(std::isfinite(distance), "expected a finite distance to propagate over, got {} m", distance);
   Propagator<Real> p;
   p.input = grid;
