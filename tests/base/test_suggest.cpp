@@ -18,6 +18,16 @@ TEST(Suggest, ExchangedLettersAreOneMistake) {
 
 TEST(Suggest, ANameFarFromAllHasNoNeighbour) { EXPECT_EQ(nearest_name("temperature", {"pitch", "rows"}), ""); }
 
+// More than a third of its letters would have to change.
+TEST(Suggest, AnotherWordIsNoMistake) { EXPECT_EQ(nearest_name("--rotation", {"--iterations", "--version"}), ""); }
+
+TEST(Suggest, AWordOfOtherProgramsFindsItsMeaning) {
+  const std::vector<std::string> materials{"diffuse", "conductor", "dielectric", "metallic-roughness"};
+  EXPECT_EQ(nearest_name("glass", materials), "dielectric");
+  EXPECT_EQ(nearest_name("mirror", materials), "conductor");
+  EXPECT_EQ(nearest_name("mirror", {"pitch", "rows"}), "");  // only where the meaning is known
+}
+
 TEST(Suggest, ATextOfAFileCostsNoMemory) {
   const std::string text(100'000'000, 'x');  // a table of distances would need gigabytes
   EXPECT_EQ(nearest_name(text, {"pitch", "rows"}), "");
@@ -27,6 +37,7 @@ TEST(Suggest, MessagesNameTheNearestOrListAll) {
   EXPECT_EQ(unknown_name_message("key", "ptich", {"pitch", "rows"}), "unknown key \"ptich\"; did you mean \"pitch\"?");
   EXPECT_EQ(unknown_name_message("key", "temperature", {"pitch", "rows"}),
             "unknown key \"temperature\"; known: pitch, rows");
+  EXPECT_EQ(unknown_name_message("material", "red", {}), "unknown material \"red\"; none is defined");
 }
 
 }  // namespace

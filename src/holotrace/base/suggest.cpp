@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace holotrace {
 namespace {
@@ -23,13 +24,45 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return table[a.size()][b.size()];
 }
 
+// What a name means in other programs, or in plain words.
+constexpr std::pair<std::string_view, std::string_view> meanings[] = {
+    {"glass", "dielectric"},
+    {"mirror", "conductor"},
+    {"metal", "conductor"},
+    {"matte", "diffuse"},
+    {"lambertian", "diffuse"},
+    {"pbr", "metallic-roughness"},
+    {"principled", "metallic-roughness"},
+    {"area", "rectangle"},
+    {"sun", "directional"},
+    {"laser", "laser-point"},
+    {"cube", "box"},
+    {"plane", "quad"},
+    {"rect", "quad"},
+    {"asm", "angular-spectrum"},
+    {"gs", "gerchberg-saxton"},
+    {"kinoform", "phase"},
+    {"spp", "paths"},
+    {"fov", "field_of_view"},
+    {"focus", "distances"},
+    {"aperture", "pupil"},
+};
+
+std::string meaning_of(std::string_view name, const std::vector<std::string>& known) {
+  for (const auto& [foreign, own] : meanings)
+    if (foreign == name && std::find(known.begin(), known.end(), own) != known.end()) return std::string(own);
+  return "";
+}
+
 }  // namespace
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
   constexpr size_t longest = 64;  // of a name; texts of files may be as long as the file
   std::string best;
   if (name.size() > longest) return best;
-  size_t best_distance = std::max<size_t>(name.size() / 2, 1) + 1;
+  if (std::string meant = meaning_of(name, known); !meant.empty()) return meant;
+  const size_t letters = name.size() - std::min(name.find_first_not_of('-'), name.size());  // of a flag: without dashes
+  size_t best_distance = std::max<size_t>(letters / 3, 1) + 1;
   for (const std::string& candidate : known) {
     if (candidate.size() > longest) continue;
     const size_t distance = edit_distance(name, candidate);
@@ -43,6 +76,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 
 std::string unknown_name_message(std::string_view kind, std::string_view name, const std::vector<std::string>& known) {
   const std::string nearest = nearest_name(name, known);
+  if (known.empty()) return fmt::format("unknown {} \"{}\"; none is defined", kind, name);
   if (!nearest.empty()) return fmt::format("unknown {} \"{}\"; did you mean \"{}\"?", kind, name, nearest);
   return fmt::format("unknown {} \"{}\"; known: {}", kind, name, fmt::join(known, ", "));
 }

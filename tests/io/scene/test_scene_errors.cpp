@@ -87,22 +87,44 @@ TEST(SceneFileErrors, UnknownNamesAreRefused) {
   EXPECT_EQ(error_with("[[object]]\ntype = \"shpere\"\n"),
             "3:8: unknown object type \"shpere\"; did you mean \"sphere\"?");
   EXPECT_EQ(error_with("[[light]]\ntype = \"sun\"\n"),
-            "3:8: unknown light type \"sun\"; known: point, spot, directional, rectangle, laser-point, laser-beam");
+            "3:8: unknown light type \"sun\"; did you mean \"directional\"?");
+  EXPECT_EQ(error_with("[[light]]\ntype = \"candle\"\n"),
+            "3:8: unknown light type \"candle\"; known: point, spot, directional, rectangle, laser-point, laser-beam");
   EXPECT_EQ(error_with("[trace]\npattern = \"gird\"\n" + cube),
             "3:11: unknown pattern \"gird\"; did you mean \"grid\"?");
   EXPECT_EQ(error_with("[materials.ivory]\n[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nmaterial = \"ivori\"\n"),
             "6:12: unknown material \"ivori\"; did you mean \"ivory\"?");
-  EXPECT_EQ(error_with("[[object]]\ntype = \"shape\"\nshape = \"king\"\n"), "4:9: unknown shape \"king\"; known: ");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"shape\"\nshape = \"king\"\n"),
+            "4:9: unknown shape \"king\"; none is defined");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nmaterial = \"red\"\n"),
+            "5:12: unknown material \"red\"; none is defined; add a table [materials.red] with its type");
+  EXPECT_EQ(error_with("[materials.a]\ntype = \"glass\"\n"),
+            "3:8: unknown material type \"glass\"; did you mean \"dielectric\"?");
+}
+
+TEST(SceneFileErrors, AKeyBelowTheWrongHeadingIsSentToItsOwn) {
+  EXPECT_EQ(error_with("[camera]\npaths = 3\n" + cube),
+            "3:1: unknown key \"paths\" in [camera]; it belongs below [trace] or below [render]");
+  EXPECT_EQ(error_with("[slm]\nquality = \"good\"\n" + cube),
+            "3:1: unknown key \"quality\" in [slm]; it belongs below [encode]");
+  EXPECT_EQ(error_with("[camera]\nwavelength = \"532 nm\"\n" + cube),
+            "3:1: unknown key \"wavelength\" in [camera]; it belongs above all headings or below [show]");
+  EXPECT_EQ(error_with("[camera]\npuipl = \"3 mm\"\n" + cube), "3:1: unknown key \"puipl\"; did you mean \"pupil\"?");
+}
+
+TEST(SceneFileErrors, APanelsNameIsNoTable) {
+  EXPECT_EQ(error_with("slm = \"pluto\"\n"),
+            "2:7: expected a table headed [slm], with preset = \"pluto\" below it, for \"slm\", got \"pluto\"");
 }
 
 TEST(SceneFileErrors, ABareNumberIsNoLength) {
   EXPECT_EQ(scene_error("wavelength = 632.8\n"),
-            "1:14: expected a length with its unit, such as \"300 mm\", for \"wavelength\", got the bare number 632.8");
+            "1:14: expected a length with its unit, such as \"532 nm\", for \"wavelength\", got the bare number 632.8");
   EXPECT_EQ(
       scene_error("wavelength = \"632.8\"\n"),
-      "1:14: expected a length with its unit, such as \"300 mm\", got \"632.8\" without a unit for \"wavelength\"");
+      "1:14: expected a length with its unit, such as \"532 nm\", got \"632.8\" without a unit for \"wavelength\"");
   EXPECT_EQ(error_with("[slm]\npitch = 8\n"),
-            "3:9: expected a length with its unit, such as \"300 mm\", for \"pitch\", got the bare number 8");
+            "3:9: expected a length with its unit, such as \"8 um\", for \"pitch\", got the bare number 8");
   EXPECT_EQ(error_with("[camera]\ndistances = [0.3]\n" + cube),
             "3:14: expected a length with its unit, such as \"300 mm\", for \"distances\", got the bare number 0.3");
   EXPECT_EQ(

@@ -107,7 +107,7 @@ TEST(SceneMaterials, UnknownNamesSuggestTheNearest) {
   EXPECT_EQ(error_of_material("type = \"dielectrik\""),
             "3:8: unknown material type \"dielectrik\"; did you mean \"dielectric\"?");
   EXPECT_EQ(error_of_material("type = \"principled\""),
-            "3:8: unknown material type \"principled\"; known: diffuse, conductor, dielectric, metallic-roughness");
+            "3:8: unknown material type \"principled\"; did you mean \"metallic-roughness\"?");
   EXPECT_EQ(error_of_material("type = \"conductor\"\nmetal = \"Agg\""),
             "4:9: unknown metal \"Agg\"; did you mean \"Ag\"?");
   EXPECT_EQ(error_of_material("type = \"dielectric\"\nglass = \"BK8\""),

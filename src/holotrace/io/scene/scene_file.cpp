@@ -74,7 +74,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   job.wavelengths = read_wavelengths(root);
   root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
   std::vector<std::string> own_effects;
-  const auto slm = root.table("slm");
+  const auto slm = root.table("slm", "preset = \"pluto\"");
   job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
   if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
 

@@ -242,7 +242,8 @@ int SceneObjects::read_material_name(TomlTable& object) {
   if (found != materials_.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& [known, index] : materials_) names.push_back(known);
-  throw Error(object.where("material") + unknown_name_message("material", name, names));
+  throw Error(object.where("material") + unknown_name_message("material", name, names) +
+              (names.empty() ? fmt::format("; add a table [materials.{}] with its type", name) : ""));
 }
 
 std::string SceneObjects::read_file_name(TomlTable& object, const char* key) {

@@ -1,10 +1,13 @@
 #include "holotrace/io/scene/toml_table.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <limits>
 
 #include "holotrace/base/units.h"
+#include "holotrace/io/scene/key_places.h"
 
 namespace holotrace {
 namespace {
@@ -139,7 +142,7 @@ TomlTable TomlTable::inner(const toml::table& table, std::string name) const {
 
 std::string TomlTable::length_text(const char* key, const toml::node& node) const {
   const auto text = text_with_unit(node, "m");
-  if (!text) fail_kind(key, "a length with its unit, such as \"300 mm\",", node);
+  if (!text) fail_kind(key, fmt::format("a length with its unit, such as \"{}\",", length_example(key)).c_str(), node);
   return *text;
 }
 
@@ -147,7 +150,7 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
   std::vector<double> values;
   const auto append = [&](const toml::node& item) {
     try {
-      const std::vector<double> some = parse_lengths(length_text(key, item));
+      const std::vector<double> some = parse_lengths(length_text(key, item), key);
       values.insert(values.end(), some.begin(), some.end());
     } catch (const Error& e) {
       if (is_placed(e)) throw;
@@ -167,7 +170,7 @@ void TomlTable::length(const char* key, double& value, const Range& range, const
   const std::string text = length_text(key, *node);
   double metres = 0;
   try {
-    metres = parse_length(text);
+    metres = parse_length(text, key);
   } catch (const Error& e) {
     fail("{}{} for \"{}\"", where(key), e.what(), key);
   }
@@ -213,10 +216,11 @@ void TomlTable::angle(const char* key, double& value, const Range& range, const 
   check(key, *node, value, range, Quantity::angle);
 }
 
-std::optional<TomlTable> TomlTable::table(const char* key) {
+std::optional<TomlTable> TomlTable::table(const char* key, const char* example) {
   const toml::node* node = find(key);
   if (!node) return std::nullopt;
-  if (!node->is_table()) fail_kind(key, "a table", *node);
+  if (!node->is_table())
+    fail_kind(key, fmt::format("a table headed [{}], with {} below it,", key, example).c_str(), *node);
   return inner(*node->as_table(), fmt::format("[{}]", key));
 }
 
@@ -260,7 +264,12 @@ void TomlTable::refuse_unknown_keys() const {
   for (auto&& [key, node] : *table_) {
     const std::string name(key.str());
     if (known_.contains(name)) continue;
-    throw Error(place(key.source()) + unknown_name_message("key", name, {known_.begin(), known_.end()}));
+    const std::vector<std::string> tables = tables_with(name);
+    const bool is_known_elsewhere = !tables.empty() && nearest_name(name, {known_.begin(), known_.end()}).empty();
+    throw Error(place(key.source()) +
+                (is_known_elsewhere
+                     ? fmt::format("unknown key \"{}\" in {}; it belongs {}", name, name_, fmt::join(tables, " or "))
+                     : unknown_name_message("key", name, {known_.begin(), known_.end()})));
   }
 }
 

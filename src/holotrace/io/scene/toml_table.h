@@ -108,7 +108,8 @@ class TomlTable {
   void rotation(const char* key, Frame& value);                    ///< "y 30 deg" or a list of rotations, in this order
   void outline(const char* key, std::vector<Vec2>& value);         ///< { unit = "mm", points = [[1, 2], …] }
 
-  std::optional<TomlTable> table(const char* key);                                        ///< the table [key]
+  /// The table [key]. @param example  what may stand below its heading, for an error
+  std::optional<TomlTable> table(const char* key, const char* example = "its keys");
   std::vector<TomlTable> tables(const char* key);                                         ///< the tables [[key]]
   std::vector<TomlTable> named_tables(const char* key, std::vector<std::string>& names);  ///< the tables [key.NAME]
 
