@@ -1,8 +1,34 @@
 #include "command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 namespace holotrace {
+namespace {
+
+// Help with examples and the common flags, where --help-all has all of them.
+class ShortHelp : public CLI::Formatter {
+ public:
+  ShortHelp(const std::vector<std::string>& examples, const std::vector<std::string>& flags) : flags_(flags) {
+    for (const std::string& example : examples) examples_ += "  " + example + "\n";
+  }
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    if (mode == CLI::AppFormatMode::All) return Formatter::make_help(app, name, CLI::AppFormatMode::Normal);
+    const auto is_common = [&](const CLI::Option* option) {
+      return std::any_of(flags_.begin(), flags_.end(),
+                         [&](const std::string& flag) { return option->check_name(flag); });
+    };
+    return make_description(app) + make_usage(app, name) + "\nExamples:\n" + examples_ + make_positionals(app) +
+           make_group("Common options", false, app->get_options(is_common)) + "\n" + make_footer(app);
+  }
+
+ private:
+  std::vector<std::string> flags_;
+  std::string examples_;
+};
+
+}  // namespace
 
 Option* Option::required() {
   option_->required();
@@ -47,6 +73,13 @@ Option* Command::keep(CLI::Option* option) { return options_.emplace_back(std::m
 
 Command* Command::add_subcommand(const std::string& name, const std::string& help) {
   return subcommands_.emplace_back(std::make_unique<Command>(*app_.add_subcommand(name, help))).get();
+}
+
+void Command::shorten_help(const std::vector<std::string>& examples, const std::vector<std::string>& flags) {
+  app_.set_help_all_flag("--help-all", "Print all flags and exit");
+  const auto help = std::make_shared<ShortHelp>(examples, flags);
+  help->column_width(app_.get_formatter()->get_column_width());
+  app_.formatter(help);
 }
 
 void Command::require_subcommand(int count) { app_.require_subcommand(count); }

@@ -59,6 +59,9 @@ class Command {
   Option* add_option_function(const std::string& name, const std::function<void(const std::string&)>& take,
                               const std::string& help = "");
 
+  /// From here on --help shows the examples and these flags only, and --help-all shows all flags.
+  void shorten_help(const std::vector<std::string>& examples, const std::vector<std::string>& flags);
+
   /// What the command does.
   void callback(const std::function<void()>& action);
 

@@ -41,6 +41,12 @@ inline void add_output(Command& command, std::string& path, const std::string& h
   command.add_option("-o,--output", path, help)->required()->type_name("FILE");
 }
 
+/// Adds `--report`.
+inline void add_report(Command& command, std::string& path) {
+  command.add_option("--report", path, "report of each stage (times, facts, warnings), as run's report.json")
+      ->type_name("FILE.json");
+}
+
 /// Adds `--wavelength`.
 inline void add_wavelength(Command& command, std::string& text) {
   command

@@ -7,10 +7,14 @@
 #include <chrono>
 #include <cstdio>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include "holotrace/base/printable.h"
 #include "holotrace/base/time_left.h"
+#include "holotrace/io/files/output.h"
 #include "holotrace/io/files/progress_file.h"
+#include "holotrace/io/report_file.h"
 #include "say.h"
 
 namespace holotrace {
@@ -53,6 +57,44 @@ struct Console::KeptProgress {
   ProgressFile file;
 };
 
+struct Console::KeptReport {
+  std::string path;
+  Report report{};
+  std::chrono::steady_clock::time_point start{};
+  bool is_running = false;  // the last stage
+
+  // The observer of a new stage that also records what it tells.
+  Observer begin(const std::string& stage, Observer observer) {
+    report.stages.push_back({stage, 0, {}, {}, {}});
+    start = std::chrono::steady_clock::now();
+    is_running = true;
+    observer.on_fact = [this](const std::string& key, const Fact& value) {
+      report.stages.back().facts.emplace_back(key, value);
+    };
+    observer.on_warning = [this, say_it = observer.on_warning](const std::string& sentence) {
+      report.stages.back().warnings.push_back(sentence);
+      say_it(sentence);
+    };
+    observer.on_curve = [this](const std::string& key, const std::vector<double>& values) {
+      report.stages.back().curves.emplace_back(key, values);
+    };
+    return observer;
+  }
+
+  void end() {
+    if (!is_running) return;
+    is_running = false;
+    report.stages.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    save_report(path, report);
+  }
+};
+
+void Console::keep_report(const std::string& path) {
+  if (path.empty()) return;
+  check_output(path, {".json"});
+  report_ = std::make_shared<KeptReport>(KeptReport{path});
+}
+
 void Console::keep_progress_in(const std::string& folder) { kept_ = std::make_shared<KeptProgress>(folder); }
 
 Console::Console(bool is_quiet) : is_terminal_(!is_quiet && isatty(STDERR_FILENO)) {}
@@ -72,6 +114,7 @@ Observer Console::watch(const std::string& stage) {
     const std::lock_guard lock(kept_->mutex);
     kept_->file.begin_stage(stage);
   }
+  if (report_) observer = report_->begin(stage, std::move(observer));
   if (!is_terminal_ && !kept_) return observer;
   observer.on_progress = [bar = bar_, kept = kept_](double fraction) {
     if (bar) bar->update(fraction);
@@ -93,6 +136,7 @@ void Console::clear() {
 }
 
 void Console::finish() {
+  if (report_) report_->end();
   if (!bar_) return;
   bar_->fraction = 1;
   bar_->draw();

@@ -17,13 +17,16 @@ class Console {
   /// From here on, what happens is also in a file in that folder, for `holotrace view` (io/files/progress_file.h).
   void keep_progress_in(const std::string& folder);
 
+  /// From here on, the stages are also in that report file (io/report_file.h), written by finish(); "": none.
+  void keep_report(const std::string& path);
+
   /// The observer of a stage; its bar ends when the next stage starts or on finish().
   Observer watch(const std::string& stage);
 
   /// Clears the line of the bar, for a line of output there; the bar is drawn again at the stage's next step.
   void clear();
 
-  /// Ends the last stage's bar.
+  /// Ends the last stage: its bar, and its time in the report.
   void finish();
 
   StageObserver stages() {
@@ -33,9 +36,11 @@ class Console {
  private:
   struct Bar;
   struct KeptProgress;
+  struct KeptReport;
   bool is_terminal_;
   std::shared_ptr<Bar> bar_;
   std::shared_ptr<KeptProgress> kept_;
+  std::shared_ptr<KeptReport> report_;
 };
 
 }  // namespace holotrace

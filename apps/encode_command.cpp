@@ -85,8 +85,7 @@ void add_encode_command(Command& app, const GlobalFlags& global) {
                    "focal stacks: number of holograms that are shown one after the other, found together so that their "
                    "mean light is the stack's; ranks of mpirun share them [1]")
       ->type_name("N");
-  command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
-      ->type_name("FILE.json");
+  add_report(*command, o->report);
   command->add_option("--plot", o->plot, "iterations: chart of the error after each iteration")
       ->type_name("FILE.png|svg");
   Checkpoints::add_flag(*command, o->checkpoint);

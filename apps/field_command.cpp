@@ -159,7 +159,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("field", "field on the panel from a scene, sources or a picture with depths");
   struct Options {
     std::vector<std::string> inputs;
-    std::string output, slm, wavelengths, memory;
+    std::string output, slm, wavelengths, memory, report;
     std::optional<uint32_t> frame;
     bool is_double = false;
     PanelFlags panel;
@@ -187,6 +187,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
   command->add_flag(
       "--double", o->is_double,
       "compute in double precision by the method exact (triangles: as dense points, slow); saves complex128");
+  add_report(*command, o->report);
   o->flags.add(*command, SynthesizeParams());
   o->depth_image.add(*command);
   command->callback([o, &global] {
@@ -196,6 +197,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
                                                   : parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
       check_output(o->output, field_extensions(false));
       Console console(global.is_quiet);
+      console.keep_report(o->report);
       Grid panel = slm_by_name(o->slm.empty() ? "pluto" : o->slm).grid;
       o->panel.apply(panel);
       check_whole_fits(panel, false);
@@ -230,6 +232,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
     else
       check_whole_fits(job.slm.grid, o->is_double);
     Console console(global.is_quiet);
+    console.keep_report(o->report);
     require(is_scene || job.synthesize.method != SynthesisMethod::triangles,
             "expected a scene or a mesh for --method triangles, which needs surfaces, got the waves of {}; use "
             "another method, or the scene that they were traced from",

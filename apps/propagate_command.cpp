@@ -33,7 +33,7 @@ void propagate_file(std::vector<BasicField<Real>> fields, const std::string& out
 void add_propagate_command(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("propagate", "field at another distance");
   struct Options {
-    std::string input, output, distance;
+    std::string input, output, distance, report;
     bool is_double = false;
     Flags flags;
   };
@@ -44,6 +44,7 @@ void add_propagate_command(Command& app, const GlobalFlags& global) {
       ->required()
       ->type_name("LENGTH");
   command->add_flag("--double", o->is_double, "compute in double precision; saves complex128");
+  add_report(*command, o->report);
   o->flags.add(*command, PropagateParams());
   command->callback([o, &global] {
     PropagateParams params;
@@ -51,6 +52,7 @@ void add_propagate_command(Command& app, const GlobalFlags& global) {
     const double distance = parse_length_flag("--distance", o->distance, range::any);
     check_output(o->output, field_extensions(o->is_double));
     Console console(global.is_quiet);
+    console.keep_report(o->report);
     if (o->is_double)
       propagate_file(load_fields_double(o->input, global.outside()), o->output, distance, params, console);
     else

@@ -160,6 +160,10 @@ void add_run(Command& app, const GlobalFlags& global) {
   o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
+  command->shorten_help({"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
+                         "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
+                        {"--output", "--slm", "--wavelength", "--quality", "--method", "--target", "--frames",
+                         "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
   command->callback([o, &global] {
     Job job = load_job(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.camera);
@@ -227,7 +231,7 @@ void save_stack(const Job& job, const std::string& output, Console& console, boo
 void add_render(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
-    std::string scene, output;
+    std::string scene, output, report;
     ModelFlags model;
     Flags flags;
   };
@@ -238,6 +242,7 @@ void add_render(Command& app, const GlobalFlags& global) {
       "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
   o->model.add(*command);
+  add_report(*command, o->report);
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
@@ -252,6 +257,7 @@ void add_render(Command& app, const GlobalFlags& global) {
     check_output(o->output,
                  is_stack ? std::vector<std::string>{".h5", ".exr", ".png"} : std::vector<std::string>{".png", ".exr"});
     Console console(global.is_quiet);
+    console.keep_report(o->report);
     if (is_stack && extension_of(o->output) != ".h5")
       for (size_t i = 1; i < job.render.focal_stack.size(); ++i) note_output(numbered_path(o->output, i));
     if (job.render.eye_separation > 0)
@@ -278,7 +284,7 @@ void add_render(Command& app, const GlobalFlags& global) {
 void add_trace(Command& app, const GlobalFlags& global) {
   Command* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
   struct Options {
-    std::string scene, output, wavelengths;
+    std::string scene, output, wavelengths, report;
     ModelFlags model;
     Flags flags;
   };
@@ -287,6 +293,7 @@ void add_trace(Command& app, const GlobalFlags& global) {
   add_wavelength(*command, o->wavelengths);
   add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
   o->model.add(*command);
+  add_report(*command, o->report);
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
@@ -295,6 +302,7 @@ void add_trace(Command& app, const GlobalFlags& global) {
     job = choose_missing(std::move(job), Goal::waves);
     check_output(o->output, {".ply"});
     Console console(global.is_quiet);
+    console.keep_report(o->report);
     const auto sets = trace(job.scene, job.slm.grid, job.wavelengths, job.trace, console.watch("trace"));
     console.finish();
     const std::string name = std::filesystem::path(o->output).filename().string();

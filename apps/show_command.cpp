@@ -106,8 +106,7 @@ void add_show_command(Command& app, const GlobalFlags& global) {
       ->add_option("--slm", o->slm,
                    "panel: preset name, or a file with [slm] [the one the hologram was made for, or pluto]")
       ->type_name("NAME|SCENE.toml");
-  command->add_option("--report", o->report, "report of each stage (times, facts, warnings), as run's report.json")
-      ->type_name("FILE.json");
+  add_report(*command, o->report);
   command
       ->add_option(
           "--eye-separation", o->eye_separation,

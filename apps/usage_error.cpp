@@ -71,7 +71,9 @@ std::string unknown_flag(const CLI::App* command, const std::string& argument) {
   if (std::find(known.begin(), known.end(), flag) != known.end())
     return fmt::format("expected {} after the command, got it before; write `{} … {}`", flag, name_of(command), flag);
   const std::string nearest = flag.starts_with("--") ? nearest_name(flag, known) : "";
-  if (nearest.empty()) return fmt::format("unknown flag \"{}\"; `{} --help` lists the flags", flag, name_of(command));
+  if (nearest.empty())
+    return fmt::format("unknown flag \"{}\"; `{} {}` lists the flags", flag, name_of(command),
+                       command->get_help_all_ptr() == nullptr ? "--help" : "--help-all");
   return fmt::format("unknown flag \"{}\"; did you mean \"{}\"?", flag, nearest);
 }
 

@@ -32,6 +32,56 @@ TEST(Commands, EveryHelpTextNamesItsCommand) {
     EXPECT_NE(succeed(work, {command, "--help"}).find("holotrace " + command), std::string::npos) << command;
 }
 
+// The help of the largest command fits on a screen; the rest is one flag away.
+TEST(Commands, TheHelpOfRunHasExamplesAndCommonFlags) {
+  const Workplace work;
+  const std::string some = succeed(work, {"run", "--help"}), all = succeed(work, {"run", "--help-all"});
+  EXPECT_LE(std::count(some.begin(), some.end(), '\n'), 40);
+  for (const char* part :
+       {"Examples:\n  holotrace run model.glb -o out\n", "--quality", "--eye", "--help-all", "SCENE"})
+    EXPECT_NE(some.find(part), std::string::npos) << part;
+  EXPECT_EQ(some.find("--roulette-depth"), std::string::npos);
+  for (const char* part : {"--roulette-depth", "--quality", "Encoding (overrides the scene's [encode]):"})
+    EXPECT_NE(all.find(part), std::string::npos) << part;
+}
+
+TEST(Commands, EveryStageWritesItsReport) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  const std::vector<std::pair<std::string, std::vector<std::string>>> stages{
+      {"render", {"render", "scene.toml", "-o", "r.exr"}},
+      {"trace", {"trace", "scene.toml", "-o", "s.ply"}},
+      {"synthesize", {"field", "scene.toml", "-o", "f.npy"}},
+      {"propagate", {"propagate", "f.npy", "--distance", "5 mm", "-o", "g.npy"}},
+      {"encode", {"encode", "f.npy", "-o", "h.png"}},
+      {"show", {"show", "h.png", "-o", "v.png"}}};
+  for (const auto& [stage, command] : stages) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {"--report", "report.json"});
+    succeed(work, arguments);
+    const auto report = nlohmann::json::parse(work.read("report.json"));
+    std::vector<std::string> names;
+    for (const auto& one : report.at("stages")) {
+      names.push_back(one.at("stage"));
+      EXPECT_GT(one.at("seconds").get<double>(), 0) << stage;
+    }
+    EXPECT_NE(std::find(names.begin(), names.end(), stage), names.end()) << stage;
+  }
+}
+
+TEST(Commands, ABlackRenderIsExplained) {
+  const Workplace work;
+  const std::string quad =
+      "[render]\nrows = 16\npaths = 1\n[[object]]\ntype = \"quad\"\nwidth = \"2 mm\"\nheight = \"2 mm\"\n";
+  work.write("dark.toml", scene_head(small_panel, "") + quad + "position = \"0 0 -32 mm\"\n");
+  work.write("aside.toml", scene_head(small_panel, "") + quad + "position = \"90 0 -32 mm\"\n");
+  EXPECT_EQ(
+      work.run({"render", "dark.toml", "-o", "r.png"}).err,
+      "warning: render: the picture is black: every first hit is dark; add lights, emission or a background to the "
+      "scene\n");
+  EXPECT_NE(work.run({"render", "aside.toml", "-o", "r.png"}).err.find("no ray met a surface"), std::string::npos);
+}
+
 TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
   const Workplace work;
   work.write("scene.toml", mesh_scene());

@@ -39,7 +39,7 @@ def test_the_lists_are_those_of_the_command_line(program):
     flags = {word[2:].replace("-", "_") for word in first if word.startswith("--")}
     names = {one["name"] for one in _core.parameters()["propagate"]}
     assert names <= flags
-    assert flags - names <= {"help", "version", "threads", "quiet", "allow_outside", "output", "distance", "double"}
+    assert flags - names <= {"help", "version", "threads", "quiet", "allow_outside", "output", "distance", "double", "report"}
 
 
 WAVES = ht.Sources(

@@ -16,6 +16,8 @@
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/trace/camera_rays.h"
 #include "holotrace/trace/geometry/first_hits.h"
+#include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/trace_report.h"
 
 namespace holotrace {
 
@@ -121,7 +123,7 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
                     const PixelMask* mask, const Observer& observer) {
   check_scene(scene);
   check_grid(panel);
-  check_wavelength(wavelength);
+  check_wavelength(wavelength, panel);
   check_ranges(asked);
   require(asked.focus != 0, "expected a plane in focus behind the panel or in front of it, got the panel's own, 0 m");
   RenderParams params = asked;
@@ -164,6 +166,12 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
   PathCounts total;
   for (const PathCounts& row : counts) total += row;
   report(total, params.max_depth, observer);
+  const bool is_black = std::all_of(image.values.begin(), image.values.end(), [](float v) { return v == 0; });
+  if (!mask && is_black && has_surfaces(scene))
+    observer.warn("the picture is black: " +
+                  (total.vertices > 0
+                       ? dark_sentence(scene)
+                       : "no ray met a surface; move the scene behind the panel's middle, or widen field_of_view"));
   return image;
 }
 

@@ -36,7 +36,8 @@ bool is_solid_glass(const Material& material) {
   return glass && !glass->is_thin;
 }
 
-/// Says what would bring light to the surfaces that the rays met.
+}  // namespace
+
 std::string dark_sentence(const Scene& scene) {
   if (scene.lights.empty()) return "every first hit is dark; add lights, emission or a background to the scene";
   const std::string unreached =
@@ -50,6 +51,8 @@ std::string dark_sentence(const Scene& scene) {
            "rectangles, emission, a background or an environment";
   return unreached + "move them, or add others, emission or a background";
 }
+
+namespace {
 
 /// Warns if points are far brighter than surfaces, or the reverse. An 8-bit picture in linear light has 256
 /// levels: what is a thousand times dimmer than its white is black.

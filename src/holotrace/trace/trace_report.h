@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/grid.h"
@@ -41,5 +42,8 @@ struct TraceFindings {
 /// @param cone  wavelength [m] whose acceptance the rays fill (Cones::of_rays)
 void warn_of_findings(const TraceFindings& findings, const Scene& scene, const Grid& panel, double cone,
                       const TraceParams& params, const Observer& observer);
+
+/// Says what would bring light to the surfaces that rays met, all of which are dark.
+std::string dark_sentence(const Scene& scene);
 
 }  // namespace holotrace
