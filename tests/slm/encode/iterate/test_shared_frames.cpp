@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
 #include <thread>
 
 #include "holotrace/slm/encode/iterate/descent_device.h"
@@ -47,8 +51,11 @@ TEST(RangesOfFrames, AreAsEqualAsCanBeAndNeverEmpty) {
   EXPECT_EQ(counts(2, 5), (std::vector<size_t>{1, 1}));
 }
 
-// The fingerprint of a job has all that its result depends on.
-TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
+std::shared_ptr<const Array2D<float>> even_map(const DescentCase& one, float value) {
+  return std::make_shared<const Array2D<float>>(one.slm.grid.ny, one.slm.grid.nx, value);
+}
+
+DescentCase with_all_effects() {
   DescentCase one{"all effects", 2};
   one.slm.levels = 4;
   one.levels = 4;
@@ -64,8 +71,8 @@ TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
   effects.gap_phase = 0.1;
   effects.flicker = 0.05;
   effects.aberration = {{2, 0, 0.4}};
-  effects.phase_map = std::make_shared<Array2D<float>>(one.slm.grid.ny, one.slm.grid.nx, 0.5F);
-  effects.light_map = std::make_shared<Array2D<float>>(one.slm.grid.ny, one.slm.grid.nx, 0.6F);
+  effects.phase_map = even_map(one, 0.5F);
+  effects.light_map = even_map(one, 0.6F);
   effects.dead_fraction = 0.01;
   effects.dead_seed = 7;
   effects.dead_pixels = {{1, 2, 3}};
@@ -74,19 +81,73 @@ TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
   one.params.subpixels = 3;
   one.params.planes_per_update = 2;
   one.params.device = {DeviceKind::opencl, 5};
-  const FrameJob sent{one.slm, one.params, one.start(), 9};
+  return one;
+}
+
+FrameJob job_of(const DescentCase& one) { return {one.slm, one.params, one.start(), 9}; }
+
+// What another process makes of a job.
+FrameJob heard_by_another(const FrameJob& sent) {
   FrameJob heard = unpack_job(pack_job(sent));
-  ASSERT_EQ(heard.frames.size(), sent.frames.size());
-  for (size_t m = 0; m < 2; ++m) unpack_frame(pack_frame(sent.frames[m]), heard.frames[m]);
-  EncodeParams params = one.params;  // with those that only process 0 needs
-  params.method = heard.params.method;
-  params.stop = heard.params.stop;
-  params.subpixels = heard.params.subpixels;
-  params.planes_per_update = heard.params.planes_per_update;
-  EXPECT_EQ(descent_job(one.targets(), heard.slm, params, heard.frames).job,
-            descent_job(one.targets(), sent.slm, sent.params, sent.frames).job);
-  EXPECT_EQ(heard.frames_of_all, 9u);
-  EXPECT_EQ(heard.params.device, sent.params.device);
+  for (size_t m = 0; m < heard.frames.size(); ++m) unpack_frame(pack_frame(sent.frames[m]), heard.frames[m]);
+  return heard;
+}
+
+// The fingerprint has what a result depends on. Each property alone changes it, so that it would also tell one that is lost
+// on the way.
+TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
+  const std::map<std::string, std::function<void(DescentCase&)>> changes{
+      {"nothing", [](DescentCase&) {}},
+      {"pitch", [](DescentCase& one) { one.slm.grid.pitch *= 2; }},
+      {"centre_x", [](DescentCase& one) { one.slm.grid.centre_x = 2e-5; }},
+      {"centre_y", [](DescentCase& one) { one.slm.grid.centre_y = 2e-5; }},
+      {"modulation", [](DescentCase& one) { one.slm.modulation = Modulation::phase; }},
+      {"fill_x", [](DescentCase& one) { one.slm.fill_x = 0.7; }},
+      {"fill_y", [](DescentCase& one) { one.slm.fill_y = 0.7; }},
+      {"design_wavelength", [](DescentCase& one) { one.slm.design_wavelength = 600e-9; }},
+      {"phase_range", [](DescentCase& one) { one.slm.phase_range = 6; }},
+      {"phase of a level", [](DescentCase& one) { one.slm.effects.calibration[2].phase = 2.5; }},
+      {"amplitude of a level", [](DescentCase& one) { one.slm.effects.calibration[2].amplitude = 0.5; }},
+      {"crosstalk", [](DescentCase& one) { one.slm.effects.crosstalk = 0.4; }},
+      {"gap_amplitude", [](DescentCase& one) { one.slm.effects.gap_amplitude = 0.3; }},
+      {"gap_phase", [](DescentCase& one) { one.slm.effects.gap_phase = 0.2; }},
+      {"flicker", [](DescentCase& one) { one.slm.effects.flicker = 0.1; }},
+      {"aberration",
+       [](DescentCase& one) {
+         one.slm.effects.aberration = {{2, 2, 0.4}};
+       }},
+      {"phase_map", [](DescentCase& one) { one.slm.effects.phase_map = even_map(one, 0.6F); }},
+      {"light_map", [](DescentCase& one) { one.slm.effects.light_map = even_map(one, 0.7F); }},
+      {"dead_fraction", [](DescentCase& one) { one.slm.effects.dead_fraction = 0.02; }},
+      {"dead_seed", [](DescentCase& one) { one.slm.effects.dead_seed = 8; }},
+      {"dead_pixels",
+       [](DescentCase& one) {
+         one.slm.effects.dead_pixels = {{1, 2, 2}};
+       }},
+      {"stop", [](DescentCase& one) { one.params.stop = 0.8; }},
+      {"subpixels", [](DescentCase& one) { one.params.subpixels = 5; }},
+      {"planes_per_update", [](DescentCase& one) { one.params.planes_per_update = 1; }},
+      {"levels of frames", [](DescentCase& one) { one.levels = 3; }}};
+  std::map<uint64_t, std::string> fingerprints;
+  for (const auto& [name, change] : changes) {
+    DescentCase one = with_all_effects();
+    change(one);
+    const FrameJob sent = job_of(one), heard = heard_by_another(sent);
+    ASSERT_EQ(heard.frames.size(), sent.frames.size());
+    const auto fingerprint = [&](const FrameJob& job) {
+      EncodeParams params = one.params;  // with those that only process 0 needs
+      params.method = job.params.method;
+      params.stop = job.params.stop;
+      params.subpixels = job.params.subpixels;
+      params.planes_per_update = job.params.planes_per_update;
+      return descent_job(one.targets(), job.slm, params, job.frames).job;
+    };
+    EXPECT_EQ(fingerprint(heard), fingerprint(sent)) << name;
+    const auto [other, is_new] = fingerprints.emplace(fingerprint(sent), name);
+    EXPECT_TRUE(is_new) << name << " has the fingerprint of " << other->second;
+    EXPECT_EQ(heard.frames_of_all, 9u);
+    EXPECT_EQ(heard.params.device, sent.params.device);
+  }
 }
 
 // What several processes compute of the first update, each with devices of its own or, without, on the processor.
