@@ -7,7 +7,11 @@ DIR holds a folder per scene with render.png, hologram.png, view.png, view_2.png
 """
 import dataclasses
 import json
+import os
 import pathlib
+import platform
+import re
+import subprocess
 import sys
 
 import numpy as np
@@ -179,12 +183,21 @@ def make_table(output):
     return "\n".join(lines) + "\n"
 
 
+def origin():
+    """The commit and the processor that a table comes from."""
+    commit = subprocess.run(["git", "-C", str(ROOT), "describe", "--always", "--dirty"], capture_output=True, text=True,
+                            check=True).stdout.strip()
+    names = re.findall(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
+    processor = " ".join(names[0].split()) if names else platform.machine()
+    return f"\nCommit {commit}, {os.cpu_count()} cores of {processor}; `scripts/figures --docs` measures it again.\n"
+
+
 def renew_table(name, table):
-    """Puts a table between its marks on the page of figures."""
+    """Puts a table between its marks on the page of figures, with its origin."""
     page = ROOT / "docs" / "explanation" / "figures.md"
     before, _, rest = page.read_text().partition(f"<!-- {name} -->\n")
     _, _, after = rest.partition(f"<!-- /{name} -->\n")
-    page.write_text(f"{before}<!-- {name} -->\n{table}<!-- /{name} -->\n{after}")
+    page.write_text(f"{before}<!-- {name} -->\n{table}{origin()}<!-- /{name} -->\n{after}")
 
 
 def save_table(output, name, table):
