@@ -23,9 +23,7 @@ inline Transmittance phase_transmittance(int level, int levels, double stretch) 
 }
 
 /// ℓ/(M−1): an amplitude pixel at level ℓ of M.
-inline Transmittance amplitude_transmittance(int level, int levels) {
-  return {double(level) / (levels - 1), 0};
-}
+inline Transmittance amplitude_transmittance(int level, int levels) { return {double(level) / (levels - 1), 0}; }
 
 /// The level of M whose phase 2π·stretch·ℓ/M is nearest, around the circle, to the phase of (real, imaginary), among
 /// the levels of the first turn; level 0 for 0. Levels beyond 2π (stretch > 1) are not
