@@ -174,14 +174,27 @@ Mesh make_lathe(const std::vector<Vec2>& outline, int segments) {
   return mesh;
 }
 
-void transform_mesh(const Frame& frame, Mesh& mesh) {
+double determinant(const Frame& frame) { return dot(frame.x, cross(frame.y, frame.z)); }
+
+Vec3 transform_normal(const Frame& frame, Vec3 n) {
   // Normals transform by the inverse transpose, which is the cofactor matrix over the determinant.
   const Vec3 yz = cross(frame.y, frame.z), zx = cross(frame.z, frame.x), xy = cross(frame.x, frame.y);
-  const double determinant = dot(frame.x, yz), sign = determinant < 0 ? -1 : 1;
+  const double sign = determinant(frame) < 0 ? -1 : 1;
+  return normalize(yz * (sign * n.x) + zx * (sign * n.y) + xy * (sign * n.z));
+}
+
+void transform_mesh(const Frame& frame, Mesh& mesh) {
   for (Vec3& p : mesh.positions) p = transform_point(frame, p);
-  for (Vec3& n : mesh.normals) n = normalize(yz * (sign * n.x) + zx * (sign * n.y) + xy * (sign * n.z));
-  if (determinant < 0)  // a reflection turns triangles inside out
+  for (Vec3& n : mesh.normals) n = transform_normal(frame, n);
+  if (determinant(frame) < 0)
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
+void bend_mesh(const std::vector<Frame>& frames, Mesh& mesh) {
+  for (size_t i = 0; i < mesh.positions.size(); ++i) mesh.positions[i] = transform_point(frames[i], mesh.positions[i]);
+  for (size_t i = 0; i < mesh.normals.size(); ++i) mesh.normals[i] = transform_normal(frames[i], mesh.normals[i]);
+  for (auto& t : mesh.triangles)
+    if (determinant(frames[t[0]]) < 0) std::swap(t[1], t[2]);
 }
 
 }  // namespace holotrace

@@ -44,7 +44,16 @@ Mesh make_lathe(const std::vector<Vec2>& profile, int segments);
 /// @throws Error unless the outline has three or more points and does not cross itself.
 Mesh make_extrusion(const std::vector<Vec2>& outline, double depth);
 
+/// Volume of the image of a unit cube; below 0 for reflections, which turn triangles inside out.
+double determinant(const Frame& frame);
+
+/// A normal of the surface that `frame` maps, unit.
+Vec3 transform_normal(const Frame& frame, Vec3 normal);
+
 /// Moves the mesh by `frame`; its normals are transformed, too.
 void transform_mesh(const Frame& frame, Mesh& mesh);
+
+/// Moves each vertex by a frame of its own, as joints do. @param frames  one per position
+void bend_mesh(const std::vector<Frame>& frames, Mesh& mesh);
 
 }  // namespace holotrace

@@ -136,12 +136,12 @@ Json describe(const LoadedModel& model) {
           {"warnings", model.warnings}};
 }
 
-Json describe_ply(const std::string& path) {
+Json describe_ply(const std::string& path, Outside outside) {
   const PlyVertices vertices = read_ply(path, true);
   if (vertices.find("amplitude") && vertices.find("phase") && !vertices.comments.empty())
     return describe(load_sources(path));
-  if (!vertices.face_sizes.empty() || !vertices.strips.empty() || vertices.find("face_idx"))
-    return describe(load_meshes(path));
+  if (!vertices.corners.sizes.empty() || !vertices.strips.empty() || vertices.find("face_idx"))
+    return describe(load_meshes(path, outside));
   return {{"kind", "PLY vertices"}, {"vertices", vertices.count}, {"properties", vertices.names}};
 }
 
@@ -224,7 +224,7 @@ Json describe_file(const std::string& path, Outside outside) {
   check_file_exists(path, "a file");
   const std::string extension = extension_of(path);
   if (extension == ".toml") return describe(load_job(path, outside));
-  if (extension == ".ply") return describe_ply(path);
+  if (extension == ".ply") return describe_ply(path, outside);
   if (is_mesh_file(path)) return describe(load_meshes(path, outside));
   if (is_hologram_file(path)) return describe_hologram(load_hologram(path));
   if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));

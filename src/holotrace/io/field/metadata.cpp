@@ -5,12 +5,12 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
-#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/json_text.h"
+#include "holotrace/io/files/text_lines.h"
 
 namespace holotrace {
 
-nlohmann::json read_metadata(const std::string& path) { return parse_metadata(read_text(path, most_text), path); }
+nlohmann::json read_metadata(const std::string& path) { return parse_metadata(read_lines(path), path); }
 
 nlohmann::json parse_metadata(const std::string& text, const std::string& path) {
   nlohmann::json json = parse_json(text, path);

@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -16,7 +14,9 @@
 #include "holotrace/base/memory.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/command_files.h"
+#include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/new_file.h"
+#include "holotrace/io/files/text_lines.h"
 
 namespace holotrace {
 namespace {
@@ -47,6 +47,8 @@ void check_is_file(const std::string& path, const char* kind) {
 
 void check_file_exists(const std::string& path, const char* kind) {
   check_is_file(path, kind);
+  require(!is_lfs_pointer(path), "{}: expected {}, got a pointer of Git LFS in its place; fetch it by `git lfs pull`",
+          path, kind);
   note_input(path);
 }
 
@@ -92,12 +94,7 @@ void write_text(const std::string& path, const std::string& text) {
   file.finish();
 }
 
-std::string extension_of(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension;
-}
+std::string extension_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }
 
 std::string sidecar_path(const std::string& path) { return path + ".json"; }
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/text_lines.h"
 
 namespace holotrace {
 namespace {
@@ -91,20 +91,27 @@ Property read_property(std::istringstream& words, const std::string& path, size_
 Header read_header(const std::string& bytes, const std::string& path) {
   Header header;
   bool has_format = false;
-  for (size_t at = 0; at < bytes.size();) {
-    const size_t end = bytes.find('\n', at);
+  const size_t begin = begin_of_text(bytes, path);
+  // The first line tells how all end: binary numbers may begin with the byte of a line end.
+  const size_t first_end = std::min(bytes.find_first_of("\r\n", begin), bytes.size());
+  const std::string_view line_end = bytes.compare(first_end, 2, "\r\n") == 0 ? "\r\n"
+                                    : bytes.substr(first_end, 1) == "\r"     ? "\r"
+                                                                             : "\n";
+  for (size_t at = begin; at < bytes.size();) {
+    const size_t end = bytes.find(line_end, at);
     if (end == std::string::npos) break;
-    std::string text = bytes.substr(at, end - at);
-    if (!text.empty() && text.back() == '\r') text.pop_back();
-    at = end + 1;
+    const std::string text = bytes.substr(at, end - at);
+    at = end + line_end.size();
     const size_t line = ++header.lines;
     if (line == 1) {
-      require(text == "ply", "{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"", path);
+      require(trimmed(text) == "ply", "{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"",
+              path);
       continue;
     }
     std::istringstream words(text);
     std::string word;
     words >> word;
+    if (word.starts_with("#")) continue;
     if (word == "comment" || word == "obj_info") {
       header.comments.push_back(text.size() > word.size() ? text.substr(word.size() + 1) : "");
     } else if (word == "format") {
@@ -135,7 +142,7 @@ Header read_header(const std::string& bytes, const std::string& path) {
       fail("{}:{}: expected a line of a PLY header, got \"{}\"", path, line, text);
     }
   }
-  if (header.lines == 0 || bytes.compare(0, 3, "ply") != 0)
+  if (header.lines == 0 || bytes.compare(begin, 3, "ply") != 0)
     fail("{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"", path);
   fail("{}: expected \"end_header\" in the PLY header, but the file ends before it; write it again", path);
 }
@@ -227,18 +234,18 @@ size_t least_row_size(const Element& element, Format format) {
 
 }  // namespace
 
-const std::vector<double>* PlyVertices::find(const std::string& name) const {
+const std::vector<double>* PlyColumns::find(const std::string& name) const {
   const auto found = places.find(name);
   return found == places.end() ? nullptr : &columns[found->second];
 }
 
-const std::vector<double>& PlyVertices::column(const std::string& name) const {
+const std::vector<double>& PlyColumns::column(const std::string& name) const {
   const std::vector<double>* found = find(name);
   if (!found) fail("{}: expected the property \"{}\" of the element \"vertex\", which is missing", path, name);
   return *found;
 }
 
-double PlyVertices::largest_of(const std::string& name) const {
+double PlyColumns::largest_of(const std::string& name) const {
   const auto found = places.find(name);
   return found == places.end() ? 0 : largest[found->second];
 }
@@ -248,7 +255,7 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
   const std::string bytes = read_text(path);
   const Header header = read_header(bytes, path);
   PlyVertices vertices;
-  vertices.path = path;
+  vertices.path = vertices.faces.path = path;
   vertices.comments = header.comments;
 
   bool has_vertices = false;
@@ -259,18 +266,21 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
     require(element.count <= numbers.bytes_left() / row,
             "{}: expected {} of the element \"{}\", but the file is truncated or its header is wrong", path,
             element.count, element.name);
-    const bool wanted = element.name == "vertex";
-    require(!wanted || !has_vertices, "{}: expected one element \"vertex\" in the PLY file, got two; export it again",
-            path);
-    has_vertices = has_vertices || wanted;
-    if (wanted) {
-      vertices.count = element.count;
+    const bool are_vertices = element.name == "vertex", are_faces = with_faces && element.name == "face",
+               are_strips = with_faces && element.name == "tristrips";
+    PlyColumns* columns = are_vertices ? &vertices : are_faces ? &vertices.faces : nullptr;
+    require(!columns || (columns->count == 0 && columns->names.empty()),
+            "{}: expected one element \"{}\" in the PLY file, got two; export it again", path, element.name);
+    has_vertices = has_vertices || are_vertices;
+    if (!columns && !are_strips) vertices.other_elements.push_back(element.name);
+    if (columns) {
+      columns->count = element.count;
       for (const Property& p : element.properties)
         if (!p.list_count) {
-          vertices.places.emplace(p.name, vertices.names.size());
-          vertices.names.push_back(p.name);
-          vertices.largest.push_back(largest_of(p.kind));
-          vertices.columns.emplace_back().reserve(element.count);
+          columns->places.emplace(p.name, columns->names.size());
+          columns->names.push_back(p.name);
+          columns->largest.push_back(largest_of(p.kind));
+          columns->columns.emplace_back().reserve(element.count);
         }
     }
     for (uint64_t i = 0; i < element.count; ++i) {
@@ -280,17 +290,20 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
         if (p.list_count) {
           require(value >= 0 && value <= double(numbers.bytes_left()) && value < 0x1p32 && value == std::floor(value),
                   "{}: expected the length of a list in the element \"{}\", got {}", path, element.name, value);
-          const bool is_wanted = with_faces && p.name.starts_with("vertex_ind");
-          const bool is_face = is_wanted && element.name == "face", is_strip = is_wanted && element.name == "tristrips";
-          if (is_face) vertices.face_sizes.push_back(uint32_t(value));
-          if (is_strip && !vertices.strips.empty()) vertices.strips.push_back(-1);
+          const bool are_indices = p.name.starts_with("vertex_ind");
+          PlyLists* lists = !are_faces             ? nullptr
+                            : are_indices          ? &vertices.corners
+                            : p.name == "texcoord" ? &vertices.coordinates
+                                                   : nullptr;
+          std::vector<double>* items = lists ? &lists->items : are_strips && are_indices ? &vertices.strips : nullptr;
+          if (lists) lists->sizes.push_back(uint32_t(value));
+          if (items == &vertices.strips && !items->empty()) items->push_back(-1);
           for (auto n = uint64_t(value); n > 0; --n) {
             const double item = numbers.next(p.kind);
-            if (is_face) vertices.face_corners.push_back(item);
-            if (is_strip) vertices.strips.push_back(item);
+            if (items) items->push_back(item);
           }
-        } else if (wanted) {
-          vertices.columns[column++].push_back(value);
+        } else if (columns) {
+          columns->columns[column++].push_back(value);
         }
       }
     }

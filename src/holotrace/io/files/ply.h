@@ -8,17 +8,13 @@
 
 namespace holotrace {
 
-/// The vertices of a PLY file, with each scalar property as a column of doubles; and its faces, if asked for.
-struct PlyVertices {
+/// The scalar properties of an element of a PLY file, each as a column of doubles.
+struct PlyColumns {
   std::string path;
-  std::vector<std::string> comments;  ///< without the word "comment"
   size_t count = 0;
   std::vector<std::string> names;            ///< names of the scalar properties, in the order of the file
   std::vector<std::vector<double>> columns;  ///< one column per property, `count` values each
   std::vector<double> largest;               ///< largest value of each property's type: 255 for uchar; 1 for float
-  std::vector<uint32_t> face_sizes;          ///< lengths of the lists vertex_indices (or vertex_index) of "face"
-  std::vector<double> face_corners;          ///< the items of these lists, one list after the other
-  std::vector<double> strips;                ///< the same of the element "tristrips"; −1 ends a strip
 
   /// The column with that name; nullptr if there is none.
   const std::vector<double>* find(const std::string& name) const;
@@ -28,6 +24,22 @@ struct PlyVertices {
 
   /// The largest value of that property's type; 0 if there is no such property.
   double largest_of(const std::string& name) const;
+};
+
+/// Lists of a PLY file, such as the corners of its faces.
+struct PlyLists {
+  std::vector<uint32_t> sizes;
+  std::vector<double> items;  ///< of one list after the other
+};
+
+/// The vertices of a PLY file, and its faces, if asked for.
+struct PlyVertices : PlyColumns {
+  std::vector<std::string> comments{};        ///< without the word "comment"
+  std::vector<std::string> other_elements{};  ///< names of further elements
+  PlyColumns faces{};                         ///< scalar properties of "face"
+  PlyLists corners{};                         ///< vertex_indices (or vertex_index) of "face"
+  PlyLists coordinates{};                     ///< texcoord of "face": u, v of each corner; without lists if it has none
+  std::vector<double> strips{};               ///< vertex_indices of "tristrips"; −1 ends a strip
 };
 
 /// Reads the element "vertex" of a PLY file: ascii or binary of either byte order, numbers of any

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -15,6 +14,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/json_text.h"
+#include "holotrace/io/files/text_lines.h"
 
 namespace holotrace {
 namespace {
@@ -124,21 +124,17 @@ std::string decode_percents(const std::string& uri) {
   return name;
 }
 
-std::string beside(const GltfFile& gltf, const std::string& uri) {
-  return (std::filesystem::path(gltf.path).parent_path() / decode_percents(uri)).string();
-}
-
 // The bytes that a URI contains or refers to; "" for a file that is missing.
 std::string read_uri(const GltfFile& gltf, const std::string& uri, std::string& label) {
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(',');
     return comma == std::string::npos ? "" : decode_base64(std::string_view(uri).substr(comma + 1));
   }
-  label = beside(gltf, uri);
-  std::error_code ignored;
-  if (!std::filesystem::exists(label, ignored)) return "";
-  require_inside(label, gltf.path, gltf.outside);
-  return read_text(label);
+  label = decode_percents(uri);
+  const std::string file = find_beside(label, gltf.path, gltf.outside);
+  if (file.empty()) return "";
+  label = file;
+  return read_text(file);
 }
 
 // The bytes of all buffers. The first buffer of a GLB without a URI is its binary part.
@@ -162,8 +158,9 @@ std::vector<std::string> read_buffers(const GltfFile& gltf, std::string&& binary
 GltfFile read_gltf(const std::string& path, Outside outside) {
   GltfFile gltf{path, {}, {}, outside};
   std::string text = read_text(path), binary;
-  if (extension_of(path) == ".glb") std::tie(text, binary) = split_glb(path, text);
-  gltf.document = parse_json(text, path);
+  const bool is_text = extension_of(path) != ".glb" || text.starts_with('{');
+  if (text.starts_with("glTF") || !is_text) std::tie(text, binary) = split_glb(path, text);
+  gltf.document = parse_json(as_lines(std::move(text), path), path);
   try {
     check_version(gltf);
     check_required_extensions(gltf);

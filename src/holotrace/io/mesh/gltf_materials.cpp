@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
 
 #include "holotrace/base/error.h"
 
@@ -25,7 +24,6 @@ class Materials {
 
   FileMaterial read(const Json& source, const std::string& name) {
     result_ = {};
-    coordinates_.reset();
     name_ = name;
     const Json& extensions = member(source, "extensions");
     const Json& core = member(source, "pbrMetallicRoughness");
@@ -100,19 +98,18 @@ class Materials {
     const Json& source = gltf_.document.at("textures").at(gltf_count(gltf_, info.at("index")));
     const Texture image = load(image_of(source), content);
     if (!image) return nullptr;
-    place(info);
+    if (!result_.add_texture(coordinates_of(info)))
+      warn("coordinates", "has textures with different coordinates; those of the first are used for all");
     if (source.contains("sampler")) {
       const Json& sampler = gltf_.document.at("samplers").at(gltf_count(gltf_, source["sampler"]));
       constexpr size_t repeat = 10497;
       for (const char* axis : {"wrapS", "wrapT"})
         result_.repeats = result_.repeats && gltf_count(gltf_, sampler, axis, repeat) == repeat;
     }
-    result_.has_textures = true;
     return image;
   }
 
-  // Reads the texture's coordinates; a mesh has one set, so the first texture of a material decides.
-  void place(const Json& info) {
+  TextureCoordinates coordinates_of(const Json& info) {
     const Json& transform = member(member(info, "extensions"), "KHR_texture_transform");
     TextureCoordinates t;
     t.set = int(
@@ -126,9 +123,7 @@ class Materials {
       t.scale_u = transform["scale"].at(0).get<double>();
       t.scale_v = transform["scale"].at(1).get<double>();
     }
-    if (!coordinates_) coordinates_ = result_.coordinates = t;
-    if (!(t == *coordinates_))
-      warn("coordinates", "has textures with different coordinates; those of the first are used for all");
+    return t;
   }
 
   Texture load(int image, ImageContent content) {
@@ -191,7 +186,6 @@ class Materials {
   const WarnOnce& warn_;
   std::string name_;
   FileMaterial result_;
-  std::optional<TextureCoordinates> coordinates_;
   std::map<std::pair<int, ImageContent>, Texture> images_;
 };
 

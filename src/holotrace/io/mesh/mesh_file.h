@@ -16,7 +16,8 @@ struct LoadedModel {
   bool is_of_points = false;          ///< its surfaces are those around the points of a file without faces
 };
 
-/// Whether load_meshes supports files with that extension: .obj, .ply, .gltf, .glb, and .stl, .off, .dae, .3ds and .fbx.
+/// Whether load_meshes supports files with that extension or with these first bytes: .obj, .ply, .gltf, .glb, and .stl,
+/// .off, .dae, .3ds and .fbx.
 bool is_mesh_file(const std::string& path);
 
 /// Reads OBJ, PLY, glTF and GLB: triangles in metres with the transforms of their nodes applied (a mirroring transform

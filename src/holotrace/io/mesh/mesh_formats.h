@@ -27,6 +27,10 @@ struct FileMaterial {
   bool has_textures = false;
   bool repeats = true;  ///< whether its textures repeat beyond their borders, as all are shown
   TextureCoordinates coordinates{};
+
+  /// Notes a texture at these coordinates; the first one decides, as a mesh has one set of them.
+  /// @return whether the texture is at the coordinates of the first
+  bool add_texture(const TextureCoordinates& at);
 };
 
 /// Receives a sentence about a feature that is not shown, once per feature.
@@ -52,7 +56,8 @@ class ModelReader {
   void reserve(size_t vertices, size_t triangles);
 
   /// Adds a mesh, if it has triangles: drops normals that are not usable, applies the material's transform of texture
-  /// coordinates (v up, one pair per position or none), and moves the mesh. @throws Error for numbers that are not finite
+  /// coordinates (v up, one pair per position or none), moves the mesh, and drops triangles without an area and vertices
+  /// of none. @throws Error for numbers that are not finite
   void add(Mesh mesh, const FileMaterial& material, const Frame& frame);
 
   void leave_out(size_t primitives) { left_out_ += primitives; }  ///< points and lines
@@ -67,6 +72,18 @@ class ModelReader {
   std::set<std::string> warned_{};
   size_t left_out_ = 0;
   double bytes_ = 0;
+  bool has_flat_meshes_ = false;
+};
+
+/// The place of a vertex that several joints move: the mean of their frames by weights.
+class WeightedFrame {
+ public:
+  void add(const Frame& frame, double weight);
+  Frame mean(const Frame& otherwise) const;  ///< `otherwise` without weights above 0
+
+ private:
+  Frame sum_{{}, {}, {}, {}};
+  double weights_ = 0;
 };
 
 /// Splits a polygon into triangles, given as places in `corners`: a fan if it is convex, else by cutting ears.
@@ -75,7 +92,8 @@ void triangulate(const std::vector<Vec3>& corners, std::vector<std::array<uint32
 
 LoadedModel load_obj_mesh(const std::string& path, Outside outside);
 LoadedModel load_gltf_mesh(const std::string& path, Outside outside);
-LoadedModel load_ply_mesh(const std::string& path);
-LoadedModel load_assimp_mesh(const std::string& path, Outside outside);
+LoadedModel load_ply_mesh(const std::string& path, Outside outside);
+/// @param extension  of the format of its bytes, whatever its name is
+LoadedModel load_assimp_mesh(const std::string& path, const std::string& extension, Outside outside);
 
 }  // namespace holotrace

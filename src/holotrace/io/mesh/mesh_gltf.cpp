@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/shapes.h"
 #include "holotrace/io/mesh/gltf.h"
 #include "holotrace/io/mesh/gltf_accessor.h"
 #include "holotrace/io/mesh/gltf_materials.h"
@@ -30,11 +31,16 @@ std::array<double, N> numbers(const Json& parent, const char* key, const std::ar
   return values;
 }
 
+// A map as a matrix, column by column.
+Frame frame_of_matrix(const double* m) {
+  return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+}
+
 // The map of a node: a matrix, column by column, or scale, rotation (a quaternion x, y, z, w) and translation.
 Frame frame_of(const Json& node) {
   if (node.contains("matrix")) {
     const auto m = numbers<16>(node, "matrix", {});
-    return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+    return frame_of_matrix(m.data());
   }
   const auto t = numbers<3>(node, "translation", {0, 0, 0}), s = numbers<3>(node, "scale", {1, 1, 1});
   const auto [x, y, z, w] = numbers<4>(node, "rotation", {0, 0, 0, 1});
@@ -51,30 +57,37 @@ class GltfReader {
 
   LoadedModel read() try {
     warn_of_gltf_features(gltf_, reader_.warner());
-    struct Place {
-      size_t node;
-      Frame frame;
-    };
     const Json& nodes = list(gltf_.document, "nodes");
-    std::vector<Place> open;  // nodes to read, the next one last
-    const auto add = [&](const std::vector<size_t>& children, const Frame& parent) {
-      for (auto child = children.rbegin(); child != children.rend(); ++child)
-        open.push_back({*child, compose(parent, frame_of(nodes.at(*child)))});
-    };
-    add(roots(), Frame{});
-    while (!open.empty()) {
-      const Place place = open.back();
-      open.pop_back();
-      const Json& node = nodes.at(place.node);
-      if (node.contains("mesh")) read_mesh(gltf_count(gltf_, node.at("mesh")), place.frame);
-      add(gltf_counts(gltf_, list(node, "children")), place.frame);
-    }
+    places_.resize(nodes.size());
+    // Joints may be outside the scene that is shown.
+    for_each_node(parentless(), [&](size_t number) {
+      const Json& node = nodes.at(number);
+      places_.at(number) = compose(places_.at(number), frame_of(node));
+      for (const size_t child : gltf_counts(gltf_, list(node, "children"))) places_.at(child) = places_[number];
+    });
+    for_each_node(roots(), [&](size_t number) {
+      const Json& node = nodes.at(number);
+      if (node.contains("mesh")) read_mesh(node, places_.at(number));
+    });
     return reader_.finish(std::move(materials_));
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but it is damaged ({}); export it again", reader_.path(), reason(e));
   }
 
  private:
+  // Calls f(number) for the nodes and all below them, parents first.
+  template <class F>
+  void for_each_node(const std::vector<size_t>& first, F&& f) const {
+    std::vector<size_t> open(first.rbegin(), first.rend());  // nodes to visit, the next one last
+    while (!open.empty()) {
+      const size_t number = open.back();
+      open.pop_back();
+      f(number);
+      const auto children = gltf_counts(gltf_, list(list(gltf_.document, "nodes").at(number), "children"));
+      open.insert(open.end(), children.rbegin(), children.rend());
+    }
+  }
+
   // The nodes of the scene that is shown first; those without a parent if the file has no scenes.
   std::vector<size_t> roots() const {
     const Json& document = gltf_.document;
@@ -83,6 +96,11 @@ class GltfReader {
       const Json& scene = scenes.at(gltf_count(gltf_, document, "scene", 0));
       return gltf_counts(gltf_, list(scene, "nodes"));
     }
+    return parentless();
+  }
+
+  std::vector<size_t> parentless() const {
+    const Json& document = gltf_.document;
     std::vector<bool> is_child(list(document, "nodes").size());
     for (const Json& node : list(document, "nodes"))
       for (const Json& child : list(node, "children")) is_child.at(gltf_count(gltf_, child)) = true;
@@ -92,12 +110,55 @@ class GltfReader {
     return found;
   }
 
-  void read_mesh(size_t number, const Frame& frame) {
-    const Json& mesh = list(gltf_.document, "meshes").at(number);
-    for (const Json& primitive : list(mesh, "primitives")) read_primitive(primitive, mesh.value("name", ""), frame);
+  void read_mesh(const Json& node, const Frame& frame) {
+    const Json& mesh = list(gltf_.document, "meshes").at(gltf_count(gltf_, node.at("mesh")));
+    const std::vector<Frame> joints =
+        node.contains("skin") ? joints_of(gltf_count(gltf_, node.at("skin"))) : std::vector<Frame>{};
+    for (const Json& primitive : list(mesh, "primitives"))
+      read_primitive(primitive, mesh.value("name", ""), frame, joints);
   }
 
-  void read_primitive(const Json& primitive, const std::string& name, const Frame& frame) {
+  // How each joint of a skin moves vertices at rest: from where they were bound to it, to where it is.
+  std::vector<Frame> joints_of(size_t number) const {
+    const Json& skin = list(gltf_.document, "skins").at(number);
+    const std::vector<size_t> nodes = gltf_counts(gltf_, list(skin, "joints"));
+    std::vector<double> binds;
+    if (skin.contains("inverseBindMatrices")) {
+      binds = gltf_numbers(gltf_, gltf_count(gltf_, skin.at("inverseBindMatrices")), 16);
+      require(binds.size() >= 16 * nodes.size(),
+              "{}: expected {} inverse bind matrices, one for each joint, got {}; export it again", reader_.path(),
+              nodes.size(), binds.size() / 16);
+    }
+    std::vector<Frame> joints;
+    for (size_t j = 0; j < nodes.size(); ++j) {
+      const Frame bind = binds.empty() ? Frame{} : frame_of_matrix(&binds[16 * j]);
+      joints.push_back(compose(places_.at(nodes[j]), bind));
+    }
+    return joints;
+  }
+
+  // Moves the vertices of a skin by their joints, Σ wⱼ·Jⱼ. The place of its node does not count.
+  void bend(const Json& attributes, const std::vector<Frame>& joints, Mesh& mesh) const {
+    const size_t count = mesh.positions.size();
+    std::vector<WeightedFrame> moves(count);
+    for (int set = 0; attributes.contains(fmt::format("JOINTS_{}", set)); ++set) {
+      const std::vector<double> numbers = values(attributes, fmt::format("JOINTS_{}", set).c_str(), count, 4),
+                                weights = values(attributes, fmt::format("WEIGHTS_{}", set).c_str(), count, 4);
+      for (size_t i = 0; i < numbers.size(); ++i) {
+        if (!(weights[i] > 0)) continue;
+        require(numbers[i] >= 0 && numbers[i] < double(joints.size()),
+                "{}: expected joints below {} in mesh \"{}\", got {}; export it again", reader_.path(), joints.size(),
+                mesh.name, numbers[i]);
+        moves[i / 4].add(joints[size_t(numbers[i])], weights[i]);
+      }
+    }
+    std::vector<Frame> frames;
+    for (const WeightedFrame& move : moves) frames.push_back(move.mean(joints[0]));
+    bend_mesh(frames, mesh);
+  }
+
+  void read_primitive(const Json& primitive, const std::string& name, const Frame& frame,
+                      const std::vector<Frame>& joints) {
     const Json& attributes = primitive.at("attributes");
     if (!attributes.contains("POSITION")) return;
     const auto count = gltf_count(gltf_, accessor(attributes, "POSITION").at("count"));
@@ -129,7 +190,9 @@ class GltfReader {
       for (size_t i = 0; i < count; ++i) indices.push_back(uint32_t(i));
     }
     add_triangles(indices, mode, mesh);
-    reader_.add(std::move(mesh), materials_[material], frame);
+    const bool is_skin = !joints.empty() && attributes.contains("JOINTS_0") && attributes.contains("WEIGHTS_0");
+    if (is_skin) bend(attributes, joints, mesh);
+    reader_.add(std::move(mesh), materials_[material], is_skin ? Frame{} : frame);
   }
 
   const Json& accessor(const Json& parent, const char* key) const {
@@ -178,6 +241,7 @@ class GltfReader {
   ModelReader reader_;
   GltfFile gltf_;
   std::vector<FileMaterial> materials_;
+  std::vector<Frame> places_;  // of the nodes
 };
 
 }  // namespace

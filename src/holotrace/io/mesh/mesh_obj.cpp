@@ -6,9 +6,11 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/files/file.h"
+#include "holotrace/base/printable.h"
+#include "holotrace/io/files/text_lines.h"
 #include "holotrace/io/mesh/mesh_formats.h"
 #include "holotrace/io/mesh/obj_materials.h"
+#include "holotrace/io/mesh/stored_colours.h"
 
 namespace holotrace {
 namespace {
@@ -16,13 +18,19 @@ namespace {
 constexpr std::array kinds{"vertex", "texture coordinate", "normal"};
 constexpr int64_t none = -1;
 
+// Keys of the format that are not read.
+constexpr std::array free_forms{"vp",   "cstype", "deg",  "bmat", "step", "curv", "curv2", "surf", "parm",
+                                "trim", "hole",   "scrv", "sp",   "end",  "con",  "bzp",   "bsp"};
+constexpr std::array not_of_shapes{"s",         "bevel", "c_interp", "d_interp", "lod",    "mg",   "shadow_obj",
+                                   "trace_obj", "ctech", "stech",    "usemap",   "maplib", "call", "csh"};
+
 // Numbers of a position, a texture coordinate and a normal, from 0; −1: none.
 using Corner = std::array<int64_t, 3>;
 
 // The faces of one name and material.
 struct Part {
   std::string name;
-  size_t material = 0;
+  size_t material = 0;  // number of its name
   std::vector<Corner> corners;
   std::vector<uint32_t> sizes;  // corners per face
 };
@@ -34,13 +42,10 @@ class ObjReader {
   }
 
   LoadedModel read() {
-    const std::string text = read_text(path_);
+    const std::string text = read_lines(path_, UINT64_MAX);
     std::string joined;  // a line that goes on after a backslash
-    for (size_t at = 0, end = 0; at < text.size(); at = end + 1) {
-      end = std::min(text.find('\n', at), text.size());
+    for (std::string_view rest = text, line; next_line(rest, line);) {
       ++line_;
-      std::string_view line = std::string_view(text).substr(at, end - at);
-      if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
       if (!line.empty() && line.back() == '\\') {
         joined.append(line.substr(0, line.size() - 1)).push_back(' ');
         continue;
@@ -55,6 +60,8 @@ class ObjReader {
     for (size_t kind = 0; kind < 3; ++kind)
       if (farthest_[kind].index > count(kind)) refuse(farthest_[kind].line, kind, farthest_[kind].index);
     first_.assign(positions_.size(), {});
+    if (!colours_.values.empty()) colours_.values.resize(positions_.size(), no_colour);
+    colours_.full = full_colour(colours_.values);
     for (size_t i = 0; i < parts_.size(); ++i) add(parts_[i], uint32_t(i + 1));
     return reader_.finish(std::move(materials_.materials));
   }
@@ -75,9 +82,9 @@ class ObjReader {
   }
 
   void read_line(std::string_view line) {
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-    const std::string_view key = line.substr(0, line.find_first_of(" \t"));
-    const std::string_view rest = line.substr(key.size());
+    std::string_view name = line;
+    const std::string_view key = next_word(name), rest = without_comment(name);
+    if (key.empty() || key[0] == '#') return;
     if (key == "v") {
       read_position(rest);
     } else if (key == "vt") {
@@ -86,25 +93,27 @@ class ObjReader {
     } else if (key == "vn") {
       read_numbers(rest, 3);
       normals_.push_back({numbers_[0], numbers_[1], numbers_[2]});
-    } else if (key == "f") {
+    } else if (key == "f" || key == "fo") {
       read_face(rest);
     } else if (key == "l" || key == "p") {
       reader_.leave_out(1);
     } else if (key == "o" || key == "g") {
-      name_ = trimmed(rest);
+      name_ = name_without_comment(name);
       part_ = nullptr;
     } else if (key == "usemtl") {
-      const auto found = materials_.numbers.find(trimmed(rest));
-      material_ = found == materials_.numbers.end() ? 0 : found->second;
+      const auto [found, is_new] = material_numbers_.emplace(name_without_comment(name), material_names_.size());
+      if (is_new) material_names_.push_back(found->first);
+      material_ = found->second;
       part_ = nullptr;
     } else if (key == "mtllib") {
-      read_obj_materials(reader_, trimmed(rest), materials_);
+      read_obj_materials(reader_, std::string(name_without_comment(name)), materials_);
+    } else if (std::find(free_forms.begin(), free_forms.end(), key) != free_forms.end()) {
+      reader_.warn("free forms",
+                   fmt::format("line {}: curved surfaces (\"{}\") are ignored; export it with polygons", line_, key));
+    } else if (std::find(not_of_shapes.begin(), not_of_shapes.end(), key) == not_of_shapes.end()) {
+      reader_.warn("unknown key",
+                   fmt::format("line {}: the unknown key \"{}\" is ignored", line_, printable(key.substr(0, 40))));
     }
-  }
-
-  static std::string trimmed(std::string_view text) {
-    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
-    return std::string(text.substr(0, text.find_last_not_of(" \t") + 1));
   }
 
   // Reads up to 7 numbers. @return how many there are
@@ -130,7 +139,9 @@ class ObjReader {
     if (n == 4) p = p / numbers_[3];
     require(is_finite(p), "{}:{}: expected finite coordinates, got ({}, {}, {})", path_, line_, p.x, p.y, p.z);
     positions_.push_back(p);
-    if (n >= 6) colours_.push_back({numbers_[n - 3], numbers_[n - 2], numbers_[n - 1]});
+    if (n < 6) return;
+    colours_.values.resize(positions_.size(), no_colour);
+    colours_.values.back() = {numbers_[n - 3], numbers_[n - 2], numbers_[n - 1]};
   }
 
   // Corners are 1, 1/2, 1//3 or 1/2/3.
@@ -176,16 +187,23 @@ class ObjReader {
   // Makes a mesh of a part. Corners that agree in all indices become one vertex: each position has a list of the
   // vertices that were made from it.
   void add(const Part& part, uint32_t number) {
+    size_t material = material_of(part);
     const auto has_all = [&](size_t kind) {
       return std::all_of(part.corners.begin(), part.corners.end(), [&](const Corner& c) { return c[kind] != none; });
     };
     const bool has_coordinates =
         std::any_of(part.corners.begin(), part.corners.end(), [](const Corner& c) { return c[1] != none; });
-    const bool has_normals = has_all(2), has_colours = !colours_.empty() && colours_.size() == positions_.size();
+    const bool has_normals = has_all(2);
+    const bool has_colours = !colours_.values.empty() &&
+                             std::any_of(part.corners.begin(), part.corners.end(),
+                                         [&](const Corner& c) { return is_finite(colours_.values[size_t(c[0])]); });
     reader_.reserve(part.corners.size(), part.corners.size());
+    // Colours multiply that of the material. Without a material they are all there is.
+    const Vec3 plain = material == 0 ? DiffuseMaterial{}.reflectance : Vec3{1, 1, 1};
+    if (has_colours && material == 0) material = white();
     Mesh mesh;
     mesh.name = part.name;
-    mesh.material = int(part.material);
+    mesh.material = int(material);
     std::vector<Corner> made;
     std::vector<uint32_t> next;  // vertex made before from the same position; UINT32_MAX: none
     const auto vertex_of = [&](Corner corner) {
@@ -203,7 +221,7 @@ class ObjReader {
       if (has_coordinates)
         mesh.texture_coordinates.push_back(corner[1] == none ? Vec2{0, 0} : coordinates_[size_t(corner[1])]);
       if (has_normals) mesh.normals.push_back(normals_[size_t(corner[2])]);
-      if (has_colours) mesh.colours.push_back(linear(colours_[size_t(corner[0])]));
+      if (has_colours) mesh.colours.push_back(linear_colour(colours_, size_t(corner[0]), plain));
       return vertex;
     };
     std::vector<uint32_t> face;
@@ -219,12 +237,30 @@ class ObjReader {
       triangulate(outline, triangles);
       for (const auto& [a, b, c] : triangles) mesh.triangles.push_back({face[a], face[b], face[c]});
     }
-    reader_.add(std::move(mesh), materials_.materials[part.material], Frame{});
+    reader_.add(std::move(mesh), materials_.materials[material], Frame{});
   }
 
-  static Vec3 linear(Vec3 code) {
-    const auto channel = [](double value) { return srgb_decode(value > 0 ? std::min(value, 1.0) : 0.0); };
-    return {channel(code.x), channel(code.y), channel(code.z)};
+  // The material of faces that have colours only.
+  size_t white() {
+    if (white_ == 0) {
+      white_ = materials_.materials.size();
+      materials_.materials.emplace_back().material = DiffuseMaterial{{1, 1, 1}};
+    }
+    return white_;
+  }
+
+  // A part may be before the file of its material. Names of materials may end with a comment.
+  size_t material_of(const Part& part) {
+    const std::string& name = material_names_[part.material];
+    const auto found = materials_.numbers.find(name);
+    if (found != materials_.numbers.end()) return found->second;
+    const auto without = materials_.numbers.find(trimmed(without_comment(name)));
+    if (without != materials_.numbers.end()) return without->second;
+    if (!name.empty() && !materials_.is_incomplete)
+      reader_.warn("unknown material",
+                   fmt::format("the material \"{}\" is in none of its files of materials (mtllib); it is shown grey",
+                               printable(name)));
+    return 0;
   }
 
   struct First {
@@ -235,12 +271,15 @@ class ObjReader {
   std::string path_;
   size_t line_ = 0;
   std::array<double, 7> numbers_{};
-  std::vector<Vec3> positions_, colours_, normals_;
+  std::vector<Vec3> positions_, normals_;
+  StoredColours colours_;
   std::vector<Vec2> coordinates_;
   std::array<Farthest, 3> farthest_{};
   ObjMaterials materials_;
   std::string name_;
-  size_t material_ = 0;
+  std::vector<std::string> material_names_{""};  // of usemtl; "": none
+  std::map<std::string, size_t, std::less<>> material_numbers_;
+  size_t material_ = 0, white_ = 0;
   std::vector<Part> parts_;
   std::map<std::pair<std::string, size_t>, size_t> part_numbers_;
   Part* part_ = nullptr;

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
@@ -19,6 +21,37 @@ bool normalize_all(std::vector<Vec3>& normals) {
   });
 }
 
+// Removes triangles without an area and vertices of no triangle: nobody sees them, but they would count in sizes.
+void keep_what_is_seen(Mesh& mesh) {
+  const auto has_area = [&](const std::array<uint32_t, 3>& t) {
+    const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    const double side = std::max({length(b - a), length(c - b), length(a - c)});
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max({length(a), length(b), length(c)});
+    return length(cross(b - a, c - a)) > rounding * side;
+  };
+  std::erase_if(mesh.triangles, [&](const auto& t) { return !has_area(t); });
+  constexpr uint32_t unused = UINT32_MAX;
+  std::vector<uint32_t> places(mesh.positions.size(), unused);
+  for (const auto& t : mesh.triangles)
+    for (const uint32_t v : t) places[v] = 0;
+  uint32_t count = 0;
+  for (uint32_t& place : places)
+    if (place != unused) place = count++;
+  if (count == places.size()) return;
+  const auto keep_used = [&](auto& values) {
+    if (values.empty()) return;
+    for (size_t v = 0; v < places.size(); ++v)
+      if (places[v] != unused) values[places[v]] = values[v];
+    values.resize(count);
+  };
+  keep_used(mesh.positions);
+  keep_used(mesh.normals);
+  keep_used(mesh.texture_coordinates);
+  keep_used(mesh.colours);
+  for (auto& t : mesh.triangles)
+    for (uint32_t& v : t) v = places[v];
+}
+
 }  // namespace
 
 Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv) {
@@ -29,20 +62,34 @@ Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv) {
   return {c * u + s * v + t.offset_u, 1 - (-s * u + c * v + t.offset_v)};
 }
 
+void WeightedFrame::add(const Frame& frame, double weight) {
+  if (!(weight > 0)) return;
+  weights_ += weight;
+  sum_ = {sum_.x + frame.x * weight, sum_.y + frame.y * weight, sum_.z + frame.z * weight,
+          sum_.origin + frame.origin * weight};
+}
+
+Frame WeightedFrame::mean(const Frame& otherwise) const {
+  if (weights_ == 0) return otherwise;
+  return {sum_.x / weights_, sum_.y / weights_, sum_.z / weights_, sum_.origin / weights_};
+}
+
+bool FileMaterial::add_texture(const TextureCoordinates& at) {
+  if (!has_textures) coordinates = at;
+  has_textures = true;
+  return at == coordinates;
+}
+
 void ModelReader::warn(const std::string& feature, const std::string& sentence) {
   if (warned_.insert(feature).second) model_.warnings.push_back(path_ + ": " + sentence);
 }
 
 std::shared_ptr<const Image> ModelReader::load_texture(const std::string& name, ImageContent content) {
-  std::string relative = name;
-  std::replace(relative.begin(), relative.end(), '\\', '/');
-  const std::string file = (std::filesystem::path(path_).parent_path() / relative).string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    warn("missing " + file, fmt::format("the texture {} is missing; the plain colour is used", file));
+  const std::string file = find_beside(name, path_, outside_);
+  if (file.empty()) {
+    warn("missing " + name, fmt::format("the texture {} is missing; the plain colour is used", name));
     return nullptr;
   }
-  require_inside(file, path_, outside_);
   Image image = load_image(file, content);
   if (content == ImageContent::data) image = with_three_channels(std::move(image));
   return std::make_shared<Image>(std::move(image));
@@ -88,12 +135,18 @@ void ModelReader::add(Mesh mesh, const FileMaterial& material, const Frame& fram
     require(is_finite(p), "{}: expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", path_,
             mesh.name, p.x, p.y, p.z, i);
   }
-  if (!normalize_all(mesh.normals)) drop_normals();  // a transform may flatten the mesh
+  keep_what_is_seen(mesh);
+  if (mesh.triangles.empty()) {
+    has_flat_meshes_ = true;
+    return;
+  }
+  if (!normalize_all(mesh.normals)) drop_normals();
   model_.meshes.push_back(std::move(mesh));
 }
 
 LoadedModel ModelReader::finish(std::vector<FileMaterial> materials) {
-  require(!model_.meshes.empty(), "{}: expected a mesh with triangles, got none", path_);
+  require(!model_.meshes.empty(), "{}: expected a mesh with triangles, got {}", path_,
+          has_flat_meshes_ ? "only triangles without an area; are all its parts scaled to 0?" : "none");
   if (left_out_ > 0) warn("primitives", fmt::format("{} points and lines are ignored", left_out_));
   for (FileMaterial& material : materials) model_.materials.push_back(std::move(material.material));
   return std::move(model_);

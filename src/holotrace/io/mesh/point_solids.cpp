@@ -11,7 +11,6 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/picture/image_file.h"
 
 namespace holotrace {
 namespace {
@@ -92,20 +91,12 @@ std::array<Vec3, 3> axes_of_splat(Vec3 scale, double w, Vec3 q) {
       Vec3{2 * (q.x * q.z + w * q.y), 2 * (q.y * q.z - w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)} * std::exp(scale.z)};
 }
 
-// The colour of a splat seen from anywhere: 1/2 + f·Y₀₀, sRGB-coded, Y₀₀ = 1/(2√π).
-Vec3 colour_of_splat(Vec3 f) {
-  const double y00 = 0.5 / std::sqrt(pi);
-  const auto decoded = [&](double value) { return srgb_decode(std::clamp(0.5 + y00 * value, 0.0, 1.0)); };
-  return {decoded(f.x), decoded(f.y), decoded(f.z)};
-}
-
 }  // namespace
 
 void add_point_solids(const PlyVertices& points, const std::vector<Vec3>& colours, Mesh& mesh,
                       std::vector<std::string>& warnings) {
   const Columns scale(points, {"scale_0", "scale_1", "scale_2"}), turn(points, {"rot_1", "rot_2", "rot_3"}),
-      harmonics(points, {"f_dc_0", "f_dc_1", "f_dc_2"}), normal(points, {"nx", "ny", "nz"}),
-      place(points, {"x", "y", "z"});
+      normal(points, {"nx", "ny", "nz"}), place(points, {"x", "y", "z"});
   const bool are_splats = scale.are_there();
   require(!are_splats || (turn.are_there() && points.find("rot_0") && points.find("opacity")),
           "{}: expected rot_0 to rot_3 and opacity beside scale_0 of splats, got some of them; export it again",
@@ -138,10 +129,7 @@ void add_point_solids(const PlyVertices& points, const std::vector<Vec3>& colour
     else
       add_ball(places[k], {Vec3{radius, 0, 0}, {0, radius, 0}, {0, 0, radius}}, mesh);
     const size_t added = mesh.positions.size() - before;
-    if (are_splats && harmonics.are_there())
-      mesh.colours.insert(mesh.colours.end(), added, colour_of_splat(harmonics.at(i)));
-    else if (!colours.empty())
-      mesh.colours.insert(mesh.colours.end(), added, colours[i]);
+    if (!colours.empty()) mesh.colours.insert(mesh.colours.end(), added, colours[i]);
   }
 }
 

@@ -1,23 +1,25 @@
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
+#include <string_view>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/text_lines.h"
 #include "holotrace/io/scene/slm_file.h"
 
 namespace holotrace {
 namespace {
 
-std::vector<std::string> cells_of(const std::string& line) {
+std::vector<std::string> cells_of(std::string_view line) {
   std::vector<std::string> cells;
-  std::stringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    const size_t first = cell.find_first_not_of(" \t\r"), last = cell.find_last_not_of(" \t\r");
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  line = trimmed(without_comment(line));
+  while (!line.empty()) {
+    const size_t end = std::min(line.find(','), line.size());
+    cells.emplace_back(trimmed(line.substr(0, end)));
+    line.remove_prefix(std::min(end + 1, line.size()));
   }
   return cells;
 }
@@ -71,15 +73,16 @@ struct Row {
 
 std::vector<CalibrationPoint> load_calibration(const std::string& path, int levels) {
   check_file_exists(path, "a calibration");
-  std::stringstream text(read_text(path, most_text));
+  const std::string text = read_lines(path);
+  std::string_view rest = text, line;
   std::vector<Row> rows;
   Columns columns;
   int number = 0;
   std::string place;
-  for (std::string line; std::getline(text, line);) {
+  while (next_line(rest, line)) {
     ++number;
     const std::vector<std::string> cells = cells_of(line);
-    if (cells.empty() || (cells.size() == 1 && cells[0].empty()) || cells[0].starts_with("#")) continue;
+    if (cells.empty()) continue;
     place = fmt::format("{}:{}: ", path, number);
     if (columns.count == 0) {
       columns = read_headings(cells, place);

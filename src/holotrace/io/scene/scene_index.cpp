@@ -8,7 +8,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/text_lines.h"
 
 namespace holotrace {
 namespace {
@@ -121,11 +121,11 @@ void read_glass_index(TomlTable& table, const char* key, RefractiveIndex& index)
 
 RefractiveIndex load_index_table(const std::string& path) {
   check_file_exists(path, "a table of refractive indices");
-  std::istringstream lines(read_text(path, most_text));
+  const std::string text = read_lines(path);
+  std::string_view rest = text, line;
   RefractiveIndex index;
-  std::string line;
-  for (size_t number = 1; std::getline(lines, line); ++number) {
-    std::string content = line.substr(0, line.find('#'));
+  for (size_t number = 1; next_line(rest, line); ++number) {
+    std::string content(without_comment(line));
     std::replace(content.begin(), content.end(), ',', ' ');
     std::istringstream stream(content);
     const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};

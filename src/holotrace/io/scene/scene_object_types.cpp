@@ -47,7 +47,7 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
                    {"blue", PointChannel::blue}});
     const std::string file = read_file_name(object, "file");
     Geometry geometry;
-    object.locate("file", [&] { geometry.points = load_points(file, channel); });
+    object.locate("file", [&] { geometry.points = load_points(file, channel, &job_.warnings); });
     return geometry;
   }
   if (type == "wireframe_cube") {

@@ -7,6 +7,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/nesting.h"
+#include "holotrace/io/files/text_lines.h"
 
 namespace holotrace {
 namespace {
@@ -53,8 +54,7 @@ std::string line_of(const std::string& text, uint32_t number) {
     if (begin != std::string::npos) ++begin;
   }
   if (begin == std::string::npos) return "";
-  std::string line = text.substr(begin, text.find('\n', begin) - begin);
-  if (!line.empty() && line.back() == '\r') line.pop_back();
+  const std::string line = text.substr(begin, text.find('\n', begin) - begin);
   return line.size() <= most ? line : line.substr(0, most) + "…";
 }
 
@@ -62,14 +62,14 @@ std::string line_of(const std::string& text, uint32_t number) {
 
 toml::table parse_toml(const std::string& path, const char* kind) {
   check_file_exists(path, kind);
-  const std::string text = read_text(path, most_text);
+  const std::string text = read_lines(path);
   check_toml_nesting(text, path);
   try {
     return toml::parse(text, path);
   } catch (const toml::parse_error& e) {
     const auto at = e.source().begin;
     const std::string line = line_of(text, at.line);
-    const std::string known = extension_of(path) == ".toml" ? "" : known_kind_of_file(path);
+    const std::string known = kind_by_bytes(path);
     if (!known.empty()) fail("{}: expected {}, got {}", path, kind, known);
     fail("{}:{}:{}: expected {}; the line is \"{}\"", path, at.line, at.column, expected_by(e.description(), line),
          line);
