@@ -167,6 +167,7 @@ void add_run(Command& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_job(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.camera);
+    job.are_distances_given = job.are_distances_given || o->flags.has("distances");
     o->render_flags.apply(job.render);
     o->encode_flags.apply(job.encode);
     o->trace_flags.apply(job.trace);

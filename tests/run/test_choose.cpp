@@ -41,6 +41,25 @@ TEST(Choose, AJobThatGivesNothingGetsTheOptimisedPicture) {
   EXPECT_TRUE(job.warnings.empty());
 }
 
+// A wall 80 mm behind the panel, and one 20 mm in front of it.
+TEST(Choose, TheCameraFocusesOnTheSceneIfNoDistanceIsGiven) {
+  for (const double depth : {0.08, -0.02}) {
+    Job job = empty_job();
+    job.scene.materials = {Material(DiffuseMaterial{}, {1, 1, 1})};
+    Mesh wall;
+    wall.positions = {{-5e-3, -5e-3, -depth}, {5e-3, -5e-3, -depth}, {0, 5e-3, -depth}};
+    wall.triangles = {{0, 1, 2}};
+    job.scene.meshes = {wall};
+    EXPECT_EQ(choose_missing(job).camera.distances, (std::vector<double>{0.3}));  // as given
+    job.are_distances_given = false;
+    const Job chosen = choose_missing(job);
+    ASSERT_EQ(chosen.camera.distances.size(), 1u);
+    EXPECT_NEAR(chosen.camera.distances[0], depth, 1e-12);
+    EXPECT_EQ(chosen_for(chosen, "camera.distances")->why, "the middle of the scene's depths");
+    EXPECT_EQ(choose_missing(chosen).chosen.size(), chosen.chosen.size());
+  }
+}
+
 // What a single frame cannot show well takes several. The scene is empty, so it has no depth.
 TEST(Choose, DraftsOfOneFrameNeedASmoothStart) {
   const auto frames = [](const std::function<void(Job&)>& change, Goal goal = Goal::picture) {

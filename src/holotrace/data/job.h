@@ -28,6 +28,7 @@ struct Job {
   ShowParams show;
   PropagateParams propagate;
   CameraParams camera;
+  bool are_distances_given = true;    ///< camera.distances; else choose_missing takes them from the scene's depths
   std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
   std::vector<Chosen> chosen;         ///< what the job does not give, and was chosen for it (run/choose.h)
 };

@@ -15,6 +15,7 @@
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/target_planes.h"
 #include "holotrace/slm/encode/frame_start.h"
+#include "holotrace/trace/depth_range.h"
 #include "holotrace/view/camera.h"
 
 namespace holotrace {
@@ -115,6 +116,7 @@ class Chooser {
   Chooser(Job job, Goal goal) : job_(std::move(job)), goal_(goal) {}
 
   Job choose() && {
+    if (!job_.are_distances_given && goal_ == Goal::picture) choose_distances();
     if (goal_ == Goal::waves)
       choose_waves("the command makes waves");
     else
@@ -139,6 +141,19 @@ class Chooser {
   }
   void set_target(EncodeTarget target, const std::string& why) {
     set("encode.target", job_.encode.target, target, name_of(target, target_names), why);
+  }
+
+  // The middle of what is nearest to the panel: surfaces, or what mirrors and glass show.
+  void choose_distances() {
+    if (job_.wavelengths.empty()) return;
+    job_.are_distances_given = true;
+    const std::vector<DepthRange> ranges =
+        depth_ranges(job_.scene, job_.slm.grid, view_wavelength(job_.wavelengths, job_.trace.has_common_cone));
+    if (ranges.empty()) return;
+    constexpr double step = 1e-4;  // a number that a person would give [m]
+    const double middle = std::round((ranges.front().nearest + ranges.front().farthest) / 2 / step) * step;
+    if (middle == 0 || middle == job_.camera.distances.front()) return;
+    set("camera.distances", job_.camera.distances, {middle}, format_length(middle), "the middle of the scene's depths");
   }
 
   void choose_waves(const std::string& why) {

@@ -97,6 +97,8 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   read_params(root, "show", job.show);
   read_params(root, "propagate", job.propagate);
   read_params(root, "camera", job.camera);
+  const auto camera = root.table("camera");
+  job.are_distances_given = camera && camera->has("distances");
   turn_on(own_effects, root, job);
   check_path_expressions(root, "trace", job.trace.path_expressions);
   check_path_expressions(root, "render", job.render.path_expressions);
