@@ -425,6 +425,9 @@ TEST(Eyes, MustBeWhereLightOfThePanelComes) {
   EXPECT_TRUE(error({0.02, 0, 0.25}, {}).starts_with("expected an eye that light of the panel reaches, at most 8.95"))
       << error({0.02, 0, 0.25}, {});
   EXPECT_TRUE(error({0, 0, 0.25}, {"30 mm"}).starts_with("expected an eyebox that light of the panel reaches"));
+  // 1.22·λ·1.2 m/3 mm = 0.26 mm, more than a quarter of the panel's height of 0.96 mm; from 1.1 m it is 0.238 mm.
+  EXPECT_TRUE(error({0, 0, 1.2}, {}).starts_with("expected an eye that sees detail on the panel, got one at 1.2 m"));
+  EXPECT_EQ(error({0, 0, 1.1}, {}), "");
   EXPECT_TRUE(error({0, 0, 0.25}, {"wide"}).find("wide") != std::string::npos);
   EXPECT_TRUE(error({}, {"wide"}).find("wide") != std::string::npos) << "also without an eye";
   EXPECT_TRUE(error({0, 0, 0.25}, {"1 2 3 mm"}).starts_with("expected a diameter, a width and a height, or \"all\""));

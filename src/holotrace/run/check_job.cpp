@@ -68,12 +68,19 @@ void check_memory(const Job& job, size_t sets) {
 
 namespace {
 
-// The panel sends light to an eye from its nearest edge at the angle that it accepts.
+// The panel sends light to an eye from its nearest edge at the angle that it accepts, and the eye's pupil must resolve the panel.
 void check_eyes(const Job& job) {
   const Grid& panel = job.slm.grid;
   const Eyebox box = eyebox_of(job.encode);
+  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone), pupil = pupil_of(job.encode);
   for (const Vec3& eye : eyes_of(job.encode)) {
-    const double reach = box_radius(eye.z, view_wavelength(job.wavelengths, job.trace.has_common_cone), panel.pitch);
+    const double blur = 1.22 * wavelength * eye.z / pupil, side = std::min(panel.width(), panel.height());
+    require(
+        blur <= side / 4,
+        "expected an eye that sees detail on the panel, got one at {}, where the diffraction of its pupil of {} blurs the panel by "
+        "{} of its {}; move the eye nearer, such as to 250 mm",
+        format_length(eye.z), format_length(pupil), format_length(blur), format_length(side));
+    const double reach = box_radius(eye.z, wavelength, panel.pitch);
     const double across = panel.width() / 2 + reach, down = panel.height() / 2 + reach;
     require(
         std::abs(eye.x) <= across && std::abs(eye.y) <= down,
