@@ -1,5 +1,3 @@
-#include "holotrace/io/files/text_lines.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,6 +7,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/text_lines.h"
 #include "holotrace/io/scene/scene_index.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/io/scene/toml_file.h"
@@ -28,7 +27,8 @@ std::string utf16(const std::string& text, bool is_little, bool has_mark) {
 }
 
 TEST(TextLines, MarksAndLineEndsOfAllSystemsAreTheSame) {
-  for (const std::string& bytes : {"one\n\ntwo\n"s, "one\r\n\r\ntwo\r\n"s, "one\r\rtwo\r"s, "\xef\xbb\xbfone\r\n\rtwo\n"s})
+  for (const std::string& bytes :
+       {"one\n\ntwo\n"s, "one\r\n\r\ntwo\r\n"s, "one\r\rtwo\r"s, "\xef\xbb\xbfone\r\n\rtwo\n"s})
     EXPECT_EQ(as_lines(bytes, "f"), "one\n\ntwo\n");
   EXPECT_EQ(as_lines("\r", "f"), "\n");
   EXPECT_EQ(as_lines("", "f"), "");
@@ -81,8 +81,9 @@ TEST(FindBeside, AuthorsPathsLeadToTheFileBesideTheModel) {
     const std::string found = find_beside(name, model, Outside::refused);
     return found.starts_with(folder + "/") ? found.substr(folder.size() + 1) : found;
   };
-  for (const char* name : {"Wood.PNG", "wood.png", "./WOOD.png", "C:\\Users\\me\\My Maps\\wood.png", "/home/me/wood.png",
-                           "\\\\server\\share\\Wood.png", "file:///C:/maps/Wood.PNG", "../textures/wood.png"})
+  for (const char* name :
+       {"Wood.PNG", "wood.png", "./WOOD.png", "C:\\Users\\me\\My Maps\\wood.png", "/home/me/wood.png",
+        "\\\\server\\share\\Wood.png", "file:///C:/maps/Wood.PNG", "../textures/wood.png"})
     EXPECT_EQ(find(name), "Wood.PNG") << name;
   EXPECT_EQ(find("D:\\work\\maps\\Stone.png"), "Maps/stone.png");
   EXPECT_EQ(find("stone.png"), "");  // in a folder that is not named
@@ -95,7 +96,8 @@ TEST(FindBeside, AFileOutsideIsTakenWithPermissionOnly) {
   const std::string out = make_file("out.png", "");
   const std::string folder = test::temporary("inner"), model = folder + "/m.obj";
   std::filesystem::create_directory(folder);
-  EXPECT_NE(error_of([&] { find_beside(out, model, Outside::refused); }).find("give --allow-outside"), std::string::npos);
+  EXPECT_NE(error_of([&] { find_beside(out, model, Outside::refused); }).find("give --allow-outside"),
+            std::string::npos);
   EXPECT_EQ(find_beside(out, model, Outside::allowed), out);
   std::ofstream(folder + "/out.png") << "";
   EXPECT_EQ(find_beside(out, model, Outside::refused), folder + "/out.png");  // the one inside needs none
@@ -107,7 +109,8 @@ TEST(FileKind, FilesOfOtherProgramsAreNamedWithWhatToDo) {
   EXPECT_TRUE(kind("PXR-USDC\x00\x09"s).starts_with("a USD scene; export"));
   EXPECT_TRUE(kind("#usda 1.0\n").starts_with("a USD scene; export"));
   EXPECT_TRUE(kind("# a room\nLookAt 0 0 5 0 0 0 0 1 0\nWorldBegin\n").starts_with("a pbrt scene; name its meshes"));
-  EXPECT_TRUE(kind("<?xml version=\"1.0\"?>\n<scene version=\"3.0.0\">").starts_with("a Mitsuba scene; name its meshes"));
+  EXPECT_TRUE(
+      kind("<?xml version=\"1.0\"?>\n<scene version=\"3.0.0\">").starts_with("a Mitsuba scene; name its meshes"));
   EXPECT_EQ(kind("PK\x03\x04"), "a ZIP archive; unpack it");
   EXPECT_TRUE(kind("\xef\xbb\xbf<?xml version=\"1.0\"?><COLLADA>").starts_with("a COLLADA file, a model"));
   EXPECT_TRUE(kind("1 2 3 255 0 0\n4 5 6 0 0 255\n").starts_with("points as text; save them as PLY"));
@@ -118,7 +121,8 @@ TEST(FileKind, FilesOfOtherProgramsAreNamedWithWhatToDo) {
 
 TEST(FileKind, APointerOfGitLfsIsNamedByEveryReader) {
   for (const char* name : {"m.obj", "m.ply", "m.glb", "s.toml", "f.npy", "i.png", "n.txt"}) {
-    const std::string path = make_file(name, "version https://git-lfs.github.com/spec/v1\noid sha256:abc\nsize 12345\n");
+    const std::string path =
+        make_file(name, "version https://git-lfs.github.com/spec/v1\noid sha256:abc\nsize 12345\n");
     EXPECT_EQ(error_of([&] { check_file_exists(path, "a thing"); }),
               path + ": expected a thing, got a pointer of Git LFS in its place; fetch it by `git lfs pull`");
   }

@@ -63,7 +63,8 @@ Vec3 size_of(const LoadedModel& model) {
 std::string ply(const std::string& vertex, const std::string& face, const std::vector<std::string>& vertices,
                 const std::vector<std::string>& faces, const std::string& comments = "") {
   std::string text = "ply\nformat ascii 1.0\n" + comments;
-  text += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n{}", vertices.size(), vertex);
+  text += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n{}", vertices.size(),
+                      vertex);
   text += fmt::format("element face {}\nproperty list uchar int vertex_indices\n{}end_header\n", faces.size(), face);
   for (const auto& lines : {vertices, faces})
     for (const std::string& line : lines) text += line + "\n";
@@ -71,7 +72,8 @@ std::string ply(const std::string& vertex, const std::string& face, const std::v
 }
 
 TEST(FilesOfOthers, ObjWithAMarkLoneReturnsAndCommentsIsTheSame) {
-  const std::string text = "mtllib m.mtl # of the house\nusemtl red # the roof\nv 0 0 0 # 9\nv 1 0 0\nv 1 1 0 # 1 0 0\nf 1 2 3 # 4\n";
+  const std::string text =
+      "mtllib m.mtl # of the house\nusemtl red # the roof\nv 0 0 0 # 9\nv 1 0 0\nv 1 1 0 # 1 0 0\nf 1 2 3 # 4\n";
   std::string mac = text, materials = "newmtl red # 1\nKd 1 0 0 # red\n";
   for (std::string* t : {&mac, &materials}) {
     std::replace(t->begin(), t->end(), '\n', '\r');
@@ -85,13 +87,14 @@ TEST(FilesOfOthers, ObjWithAMarkLoneReturnsAndCommentsIsTheSame) {
     EXPECT_TRUE(model.meshes[0].colours.empty());
     EXPECT_TRUE(model.warnings.empty());
   }
-  EXPECT_NE(error_of([&] { obj(std::string("\xff\xfe\x76\0\x20\0", 6)); }).find("got UTF-16; save it again as UTF-8"),
+  EXPECT_NE(error_of([&] { obj(std::string("\xff\xfe\x76\0\x20\0", 6)); }).find("UTF-16; save it as UTF-8"),
             std::string::npos);
 }
 
 TEST(FilesOfOthers, APlyWithLoneReturnsOrAMarkIsTheSame) {
-  const std::string lines = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                            "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string lines =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
   std::string mac = lines + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   EXPECT_EQ(area(load_meshes(make_file("m.ply", "\xef\xbb\xbf" + mac))), 0.5);
   std::replace(mac.begin(), mac.end(), '\n', '\r');
@@ -159,7 +162,8 @@ TEST(FilesOfOthers, MapsOfRoughnessAndMetalAreShown) {
   const Image& texture = *surface.metallic_texture;
   ASSERT_EQ(texture.ny, 2);
   ASSERT_EQ(texture.nx, 2);
-  const Image rough = load_image(std::filesystem::path(test::temporary("x")).parent_path() / "rough.png", ImageContent::data);
+  const Image rough =
+      load_image(std::filesystem::path(test::temporary("x")).parent_path() / "rough.png", ImageContent::data);
   for (int row = 0; row < 2; ++row) {
     EXPECT_EQ(texture(row, 0, 1), rough(0, 0));  // the smaller map is enlarged
     EXPECT_EQ(texture(row, 1, 1), 1);
@@ -188,8 +192,10 @@ TEST(FilesOfOthers, WhatIsNotShownIsNamedAndHarmlessKeysAreNot) {
   for (const char* line : {"Ka 1 1 1", "map_Ka t.png", "Tf 1 1 1", "Ps 0", "Pc 0.0", "Pcr 0.03", "aniso 0", "anisor 0",
                            "sharpness 60", "d 1", "Tr 0", "Ni 1.45", "# Pc 1"})
     EXPECT_TRUE(model(line).warnings.empty()) << line;
-  EXPECT_TRUE(has_warning(obj(std::string(square) + face + "surf 0 1 0 1 1 2 3 4\n"), "line 10: curved surfaces (\"surf\")"));
-  EXPECT_TRUE(has_warning(obj(std::string(square) + face + "quad 1\n"), "line 10: the unknown key \"quad\" is ignored"));
+  EXPECT_TRUE(
+      has_warning(obj(std::string(square) + face + "surf 0 1 0 1 1 2 3 4\n"), "line 10: curved surfaces (\"surf\")"));
+  EXPECT_TRUE(
+      has_warning(obj(std::string(square) + face + "quad 1\n"), "line 10: the unknown key \"quad\" is ignored"));
   EXPECT_TRUE(obj(std::string("s off\nlod 1\n") + square + face).warnings.empty());
 }
 
@@ -223,7 +229,8 @@ TEST(FilesOfOthers, ColoursOfObjMayBeBytesAndOfSomeVertices) {
   const LoadedModel red = obj("mtllib m.mtl\nusemtl a\n" + some, "newmtl a\nKd 1 0.5 0.5\n");
   EXPECT_EQ(red.meshes[0].colours[1], (Vec3{1, 1, 1}));  // Kd is its colour
   EXPECT_EQ(diffuse(red).reflectance, (Vec3{1, 0.5, 0.5}));
-  const LoadedModel two = obj("o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 0 0 1 0\nv 1 0 0 0 1 0\nv 0 1 0 0 1 0\nf 4 5 6\n");
+  const LoadedModel two =
+      obj("o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 0 0 1 0\nv 1 0 0 0 1 0\nv 0 1 0 0 1 0\nf 4 5 6\n");
   EXPECT_TRUE(two.meshes[0].colours.empty());
   EXPECT_EQ(two.meshes[1].colours[0], (Vec3{0, 1, 0}));
 }
@@ -241,7 +248,7 @@ TEST(FilesOfOthers, PointsOfAllTypesOfColoursHaveTheSameAmplitude) {
   EXPECT_FLOAT_EQ(amplitude("float", "0.784313725"), grey);
   EXPECT_FLOAT_EQ(amplitude("double", "0.784313725490196"), grey);
   EXPECT_FLOAT_EQ(amplitude("float", "200"), grey);
-  EXPECT_FLOAT_EQ(amplitude("int", "200"), grey);     // a byte in a wider type
+  EXPECT_FLOAT_EQ(amplitude("int", "200"), grey);  // a byte in a wider type
   EXPECT_FLOAT_EQ(amplitude("ushort", "200"), grey);
   EXPECT_FLOAT_EQ(amplitude("ushort", "51400"), grey);  // 200·257
   EXPECT_FLOAT_EQ(amplitude("uchar", "200", "diffuse_"), grey);
@@ -257,15 +264,16 @@ TEST(FilesOfOthers, PointsOfAllTypesOfColoursHaveTheSameAmplitude) {
   load_points(ply("property char red\nproperty char green\nproperty char blue\n", "", {"0 0 0 -1 0 0"}, {}),
               PointChannel::luminance, &warnings);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("some of its colours are not from 0 to 127 (one is -1); they are clipped"), std::string::npos);
+  EXPECT_NE(warnings[0].find("some of its colours are not from 0 to 127 (one is -1); they are clipped"),
+            std::string::npos);
 }
 
 TEST(FilesOfOthers, MeshesOfPlyHaveColoursByAllNamesAndOfFaces) {
   const auto colour = [](const std::string& type, const std::string& value) {
     const std::string p = "property " + type + " diffuse_";
     const std::string line = " " + value + " 0 0";
-    return load_meshes(ply(p + "red\n" + p + "green\n" + p + "blue\n", "", {"0 0 0" + line, "1 0 0" + line, "0 1 0" + line},
-                           {"3 0 1 2"}))
+    return load_meshes(ply(p + "red\n" + p + "green\n" + p + "blue\n", "",
+                           {"0 0 0" + line, "1 0 0" + line, "0 1 0" + line}, {"3 0 1 2"}))
         .meshes[0]
         .colours[2]
         .x;
@@ -285,18 +293,18 @@ TEST(FilesOfOthers, MeshesOfPlyHaveColoursByAllNamesAndOfFaces) {
 TEST(FilesOfOthers, TexturesOfPlyAreShown) {
   picture("my tex.png", {1, 0});
   const std::vector<std::string> places{"0 0 0", "1 0 0", "1 1 0", "0 1 0"};
-  const LoadedModel vertex =
-      load_meshes(ply("property float s\nproperty float t\n", "", {"0 0 0 0 0", "1 0 0 0.5 0", "1 1 0 0.5 1", "0 1 0 0 1"},
-                      {"4 0 1 2 3"}, "comment TextureFile my tex.png\n"));
+  const LoadedModel vertex = load_meshes(ply("property float s\nproperty float t\n", "",
+                                             {"0 0 0 0 0", "1 0 0 0.5 0", "1 1 0 0.5 1", "0 1 0 0 1"}, {"4 0 1 2 3"},
+                                             "comment TextureFile my tex.png\n"));
   ASSERT_TRUE(diffuse(vertex).texture);
   EXPECT_EQ(diffuse(vertex).reflectance, (Vec3{1, 1, 1}));
   EXPECT_EQ(vertex.meshes[0].texture_coordinates[2], (Vec2{0.5, 1}));
   EXPECT_TRUE(vertex.warnings.empty());
   // Of each corner: two faces that meet at an edge with other coordinates there.
-  const LoadedModel corner = load_meshes(ply("property uchar red\nproperty uchar green\nproperty uchar blue\n", "property list uchar float texcoord\n",
-                                             {"0 0 0 9 9 9", "1 0 0 9 9 9", "1 1 0 9 9 9", "0 1 0 9 9 9"},
-                                             {"3 0 1 2 6 0 0 0.5 0 0.5 1", "3 0 2 3 6 0.25 0 1 1 0 1"},
-                                             "comment TextureFile my tex.png\n"));
+  const LoadedModel corner = load_meshes(
+      ply("property uchar red\nproperty uchar green\nproperty uchar blue\n", "property list uchar float texcoord\n",
+          {"0 0 0 9 9 9", "1 0 0 9 9 9", "1 1 0 9 9 9", "0 1 0 9 9 9"},
+          {"3 0 1 2 6 0 0 0.5 0 0.5 1", "3 0 2 3 6 0.25 0 1 1 0 1"}, "comment TextureFile my tex.png\n"));
   const Mesh& mesh = corner.meshes[0];
   ASSERT_TRUE(diffuse(corner).texture);
   EXPECT_TRUE(mesh.colours.empty());  // they repeat what the texture shows
@@ -334,13 +342,16 @@ TEST(FilesOfOthers, FirstBytesTellTheFormatWhateverTheName) {
   const std::string text = test::GltfTriangle{}.text();
   EXPECT_EQ(area(load_meshes(make_file("m.glb", text))), 0.5);
   const std::string glb = test::GltfTriangle{}.glb("");
-  for (const char* name : {"m.gltf", "m.obj", "m.ply", "m.dae", "model"}) EXPECT_EQ(area(load_meshes(make_file(name, glb))), 0.5) << name;
+  for (const char* name : {"m.gltf", "m.obj", "m.ply", "m.dae", "model"})
+    EXPECT_EQ(area(load_meshes(make_file(name, glb))), 0.5) << name;
   const std::string ply_file = read_text(ply("", "", {"0 0 0", "1 0 0", "0 1 0"}, {"3 0 1 2"}));
   EXPECT_EQ(area(load_meshes(make_file("m.obj", ply_file))), 0.5);
   EXPECT_EQ(area(load_meshes(make_file("m.obj", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 1 0\n3 0 1 2\n"))), 1);
-  EXPECT_EQ(area(load_meshes(make_file(
-                "m.ply", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 1 0\nendloop\nendfacet\n"))),
-            1);
+  EXPECT_EQ(
+      area(load_meshes(make_file(
+          "m.ply",
+          "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 1 0\nendloop\nendfacet\n"))),
+      1);
   for (const auto& [name, bytes, words] : std::initializer_list<std::array<const char*, 3>>{
            {"m.obj", "BLENDER-v300", "expected a mesh, got a Blender file; export it from Blender as glTF (.glb)"},
            {"m.ply", "PK\x03\x04", "expected a mesh, got a ZIP archive; unpack it"},
@@ -350,29 +361,35 @@ TEST(FilesOfOthers, FirstBytesTellTheFormatWhateverTheName) {
            {"m.glb", "<!DOCTYPE html>", "got a web page; was the file downloaded?"},
            {"m.obj", "<scene version=\"3.0.0\">", "got a Mitsuba scene; name its meshes"}}) {
     const std::string path = make_file(name, bytes);
-    EXPECT_NE(error_of([&] { load_meshes(path); }).find(words), std::string::npos) << error_of([&] { load_meshes(path); });
+    EXPECT_NE(error_of([&] { load_meshes(path); }).find(words), std::string::npos)
+        << error_of([&] { load_meshes(path); });
   }
   const std::string late = R"({"buffers": [], )" + std::string(5000, ' ') + R"("asset": {"version": "2.0"}})";
-  EXPECT_NE(error_of([&] { load_meshes(make_file("m.gltf", late)); }).find("expected a mesh with triangles"), std::string::npos);
+  EXPECT_NE(error_of([&] { load_meshes(make_file("m.gltf", late)); }).find("expected a mesh with triangles"),
+            std::string::npos);
 }
 
 // A triangle bound to two joints. Its node is moved, which does not count: p' = Σ w·(joint)·(inverse bind)·p.
 TEST(FilesOfOthers, SkinsAtRestArePlacedByTheirJoints) {
-  std::vector<float> places{0, 0, 0, 1, 0, 0, 0, 1, 0}, weights{1, 0, 0, 0, 0, 1, 0, 0, 0.5f, 0.5f, 0, 0}, normals{0, 0, 1, 0, 0, 1, 0, 0, 1};
+  std::vector<float> places{0, 0, 0, 1, 0, 0, 0, 1, 0}, weights{1, 0, 0, 0, 0, 1, 0, 0, 0.5f, 0.5f, 0, 0},
+      normals{0, 0, 1, 0, 0, 1, 0, 0, 1};
   std::vector<uint8_t> joints{0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0};
   std::vector<float> binds{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -5, 0, 0, 1,   // moves by (−5, 0, 0)
-                           2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1};  // twice as large
-  const std::string bytes = test::bytes_of(places) + test::bytes_of(weights) + test::bytes_of(normals) + test::bytes_of(joints) + test::bytes_of(binds);
+                           2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0,  0, 0, 1};  // twice as large
+  const std::string bytes = test::bytes_of(places) + test::bytes_of(weights) + test::bytes_of(normals) +
+                            test::bytes_of(joints) + test::bytes_of(binds);
   const auto load = [&](const std::string& skin, const std::string& attributes) {
     return load_meshes(make_file("m.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}],
 "nodes": [{"mesh": 0, "skin": 0, "translation": [100, 0, 0]}, {"translation": [5, 0, 0], "children": [2]}, {"translation": [-5, 0, 3]}],
-"skins": [{"joints": [1, 2])" + skin + R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 2)" + attributes + R"(}}]}],
+"skins": [{"joints": [1, 2])" + skin + R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 2)" +
+                                               attributes + R"(}}]}],
 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC4"},
 {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 3, "componentType": 5121, "count": 3, "type": "VEC4"},
 {"bufferView": 4, "componentType": 5126, "count": 2, "type": "MAT4"}],
 "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 48}, {"buffer": 0, "byteOffset": 84, "byteLength": 36},
 {"buffer": 0, "byteOffset": 120, "byteLength": 12}, {"buffer": 0, "byteOffset": 132, "byteLength": 128}],
-"buffers": [{"byteLength": 260, "uri": "data:application/octet-stream;base64,)" + test::base64(bytes) + "\"}]}"));
+"buffers": [{"byteLength": 260, "uri": "data:application/octet-stream;base64,)" +
+                                               test::base64(bytes) + "\"}]}"));
   };
   const std::string bound = R"(, "JOINTS_0": 3, "WEIGHTS_0": 1)";
   const Mesh mesh = load(R"(, "inverseBindMatrices": 4)", bound).meshes[0];
@@ -382,6 +399,11 @@ TEST(FilesOfOthers, SkinsAtRestArePlacedByTheirJoints) {
   EXPECT_EQ(mesh.normals[1], (Vec3{0, 0, 1}));
   EXPECT_EQ(load("", bound).meshes[0].positions[0], (Vec3{5, 0, 0}));  // without matrices: the places of joints
   EXPECT_EQ(load("", "").meshes[0].positions[0], (Vec3{100, 0, 0}));   // not bound: the place of the node
+}
+
+TEST(FilesOfOthers, PointsWhereAMeshIsExpectedAreNamed) {
+  for (const char* text : {"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "v 0 0 0\nv 1 0 0\np 1 2\n"})
+    EXPECT_NE(error_of([&] { obj(text); }).find("got only points and lines; save points as PLY"), std::string::npos);
 }
 
 TEST(FilesOfOthers, BonesWithoutAMeshAreNoMesh) {

@@ -141,10 +141,11 @@ TEST(MeshFile, VertexColoursOfObjAndPlyAreDecoded) {
   EXPECT_EQ(ply("ushort", "65535").meshes[0].colours[2], (Vec3{0, 0, 1}));
   EXPECT_EQ(ply("float", "0.5").meshes[0].colours[2], (Vec3{0, 0, 0.5}));  // linear already
   const LoadedModel damaged = ply("uchar", "-2147483648");
-  EXPECT_TRUE(damaged.meshes[0].colours.empty());
+  EXPECT_EQ(damaged.meshes[0].colours[2], (Vec3{0, 0, 0}));
   ASSERT_EQ(damaged.warnings.size(), 1u);
-  EXPECT_NE(damaged.warnings[0].find("the colours of its vertices are not from 0 to 255 (one is -2147483648)"),
-            std::string::npos);
+  EXPECT_NE(
+      damaged.warnings[0].find("some of its colours are not from 0 to 255 (one is -2147483648); they are clipped"),
+      std::string::npos);
 }
 
 TEST(MeshFile, MissingAndUnknownFilesAreNamed) {
@@ -154,8 +155,10 @@ TEST(MeshFile, MissingAndUnknownFilesAreNamed) {
   EXPECT_EQ(
       error_of([&] { load_meshes(other); }),
       other +
-          ": expected a mesh file .obj, .ply, .gltf, .glb, .stl, .off, .dae, .3ds, .fbx, got a file .step; convert "
-          "it to one of these");
+          ": expected a mesh file .obj, .ply, .gltf, .glb, .stl, .off, .dae, .3ds, .fbx, got a STEP file; export it as "
+          "STL or OBJ");
+  const std::string unknown = make_file("m.xyzzy", "what?");
+  EXPECT_TRUE(error_of([&] { load_meshes(unknown); }).ends_with("got a file .xyzzy; convert it to one of these"));
 }
 
 TEST(MeshFile, AMeshWithoutTrianglesIsRefused) {

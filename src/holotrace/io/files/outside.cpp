@@ -55,10 +55,10 @@ void require_inside(const std::string& file, const std::string& holder, Outside 
 std::string find_beside(const std::string& name, const std::string& holder, Outside outside) {
   const fs::path folder = fs::path(holder).parent_path(), named = replace_all(name, "\\", "/");
   const fs::path whole = folder / named;
-  if (named.empty() || named.filename().empty()) return "";
+  if (named.empty() || fs::is_directory(whole)) return "";
   if (is_there(whole) && (outside == Outside::allowed || is_inside(whole, holder))) return whole.string();
   for (auto first = named.begin(); first != named.end(); ++first) {
-    if (*first == "/" || *first == "..") continue;
+    if (*first == "/" || *first == "." || *first == "..") continue;
     fs::path last_parts;
     for (auto part = first; part != named.end(); ++part) last_parts /= *part;
     const fs::path found = below(folder, last_parts);

@@ -92,20 +92,17 @@ Header read_header(const std::string& bytes, const std::string& path) {
   Header header;
   bool has_format = false;
   const size_t begin = begin_of_text(bytes, path);
-  // The first line tells how all end: binary numbers may begin with the byte of a line end.
-  const size_t first_end = std::min(bytes.find_first_of("\r\n", begin), bytes.size());
-  const std::string_view line_end = bytes.compare(first_end, 2, "\r\n") == 0 ? "\r\n"
-                                    : bytes.substr(first_end, 1) == "\r"     ? "\r"
-                                                                             : "\n";
+  // Numbers in binary may begin with the byte of "\n", so the first line tells whether all end with "\r" alone.
+  const size_t first_end = bytes.find_first_of("\r\n", begin);
+  const bool are_returns = first_end != std::string::npos && bytes[first_end] == '\r' && bytes[first_end + 1] != '\n';
   for (size_t at = begin; at < bytes.size();) {
-    const size_t end = bytes.find(line_end, at);
+    const size_t end = bytes.find(are_returns ? '\r' : '\n', at);
     if (end == std::string::npos) break;
-    const std::string text = bytes.substr(at, end - at);
-    at = end + line_end.size();
+    const std::string text(trimmed(std::string_view(bytes).substr(at, end - at)));
+    at = end + 1;
     const size_t line = ++header.lines;
     if (line == 1) {
-      require(trimmed(text) == "ply", "{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"",
-              path);
+      require(text == "ply", "{}:1: expected a PLY file, got other bytes; its first line must be \"ply\"", path);
       continue;
     }
     std::istringstream words(text);

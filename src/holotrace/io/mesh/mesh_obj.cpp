@@ -63,6 +63,7 @@ class ObjReader {
     if (!colours_.values.empty()) colours_.values.resize(positions_.size(), no_colour);
     colours_.full = full_colour(colours_.values);
     for (size_t i = 0; i < parts_.size(); ++i) add(parts_[i], uint32_t(i + 1));
+    if (parts_.empty()) reader_.leave_out(positions_.size());
     return reader_.finish(std::move(materials_.materials));
   }
 

@@ -19,52 +19,14 @@ namespace holotrace {
 namespace {
 
 // Properties that are read here, or that say nothing about how a surface looks.
-constexpr std::array known_properties{"x",
-                                      "y",
-                                      "z",
-                                      "nx",
-                                      "ny",
-                                      "nz",
-                                      "red",
-                                      "green",
-                                      "blue",
-                                      "diffuse_red",
-                                      "diffuse_green",
-                                      "diffuse_blue",
-                                      "r",
-                                      "g",
-                                      "b",
-                                      "grey",
-                                      "gray",
-                                      "alpha",
-                                      "a",
-                                      "diffuse_alpha",
-                                      "s",
-                                      "t",
-                                      "u",
-                                      "v",
-                                      "texture_u",
-                                      "texture_v",
-                                      "face_idx",
-                                      "amplitude",
-                                      "phase",
-                                      "opacity",
-                                      "quality",
-                                      "confidence",
-                                      "intensity",
-                                      "value",
-                                      "curvature",
-                                      "radius",
-                                      "label",
-                                      "class",
-                                      "flags",
-                                      "time",
-                                      "id",
-                                      "texnumber"};
+constexpr std::string_view known_properties =
+    " x y z nx ny nz red green blue alpha diffuse_red diffuse_green diffuse_blue diffuse_alpha r g b a grey gray s t u v "
+    "texture_u texture_v texnumber face_idx amplitude phase opacity quality confidence intensity value curvature radius "
+    "label class flags time id ";
 constexpr std::array known_beginnings{"scale_", "rot_", "f_dc_", "f_rest_", "scalar_"};
 
 bool is_known(const std::string& name) {
-  return std::find(known_properties.begin(), known_properties.end(), name) != known_properties.end() ||
+  return known_properties.find(" " + name + " ") != std::string_view::npos ||
          std::any_of(known_beginnings.begin(), known_beginnings.end(),
                      [&](const char* beginning) { return name.starts_with(beginning); });
 }

@@ -146,7 +146,9 @@ void ModelReader::add(Mesh mesh, const FileMaterial& material, const Frame& fram
 
 LoadedModel ModelReader::finish(std::vector<FileMaterial> materials) {
   require(!model_.meshes.empty(), "{}: expected a mesh with triangles, got {}", path_,
-          has_flat_meshes_ ? "only triangles without an area; are all its parts scaled to 0?" : "none");
+          has_flat_meshes_ ? "only triangles without an area; are all its parts scaled to 0?"
+          : left_out_ > 0  ? "only points and lines; save points as PLY, whose points become surfaces"
+                           : "none");
   if (left_out_ > 0) warn("primitives", fmt::format("{} points and lines are ignored", left_out_));
   for (FileMaterial& material : materials) model_.materials.push_back(std::move(material.material));
   return std::move(model_);
