@@ -103,6 +103,7 @@ void bind_scenes(nb::module_& module) {
   });
   job.def("set", [](Job& j, const std::string& stage, const nb::dict& given) {
     with_stage(j, stage, [&](auto& params) { set_params(given, params); });
+    j.are_distances_given = j.are_distances_given || (stage == "camera" && given.contains("distances"));
   });
   job.def("get", [](Job& j, const std::string& stage) {
     nb::list list;
