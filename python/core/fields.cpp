@@ -4,6 +4,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
+#include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "nouns.h"
