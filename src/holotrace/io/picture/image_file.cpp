@@ -36,11 +36,13 @@ double pitch_of(const PictureHeader& header) {
 }
 
 // The light of each code of 8 or 16 bits.
-std::vector<float> light_of_codes(int codes, ImageContent content) {
+std::vector<float> light_of_codes(int codes, ImageContent content, double gamma) {
   std::vector<float> light(static_cast<size_t>(codes));
   for (size_t code = 0; code < light.size(); ++code) {
     const double value = double(code) / double(codes - 1);
-    light[code] = float(content == ImageContent::colour ? srgb_decode(value) : value);
+    light[code] = float(content != ImageContent::colour ? value
+                        : gamma > 0                     ? std::pow(value, gamma)
+                                                        : srgb_decode(value));
   }
   return light;
 }
@@ -57,6 +59,23 @@ void convert(const std::vector<Sample>& samples, size_t file_channels, Image& im
   });
 }
 
+// The picture as its orientation says (PictureHeader).
+Image upright(const Image& image, int orientation) {
+  if (orientation == 1) return image;
+  const bool exchanges_axes = orientation >= 5;
+  const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  Image turned(exchanges_axes ? image.nx : image.ny, exchanges_axes ? image.ny : image.nx, image.channels);
+  turned.pitch = image.pitch;
+  for (int j = 0; j < turned.ny; ++j)
+    for (int i = 0; i < turned.nx; ++i) {
+      const int row = exchanges_axes ? i : j, column = exchanges_axes ? j : i;
+      for (int c = 0; c < image.channels; ++c)
+        turned(j, i, c) = image(from_bottom ? image.ny - 1 - row : row, from_right ? image.nx - 1 - column : column, c);
+    }
+  return turned;
+}
+
 Image image_from(const Picture& picture, const std::string& name, ImageContent content) {
   require(picture.channel("real") < 0 || picture.channel("imag") < 0,
           "{}: expected an image, got a field (channels \"real\" and \"imag\"); give it to a command that "
@@ -68,20 +87,20 @@ Image image_from(const Picture& picture, const std::string& name, ImageContent c
   if (const auto* floats = std::get_if<std::vector<float>>(&picture.samples)) {
     convert(*floats, channels, image, [](float value) { return value; });
   } else if (const auto* bytes = std::get_if<std::vector<uint8_t>>(&picture.samples)) {
-    const std::vector<float> light = light_of_codes(1 << 8, content);
+    const std::vector<float> light = light_of_codes(1 << 8, content, picture.gamma);
     convert(*bytes, channels, image, [&](uint8_t code) { return light[code]; });
   } else {
-    const std::vector<float> light = light_of_codes(1 << 16, content);
+    const std::vector<float> light = light_of_codes(1 << 16, content, picture.gamma);
     convert(std::get<std::vector<uint16_t>>(picture.samples), channels, image,
             [&](uint16_t code) { return light[code]; });
   }
   for (size_t i = 0; i < image.values.size(); ++i)
-    if (!std::isfinite(image.values[i])) {
+    if (content != ImageContent::depth && !std::isfinite(image.values[i])) {
       const size_t pixel = i / size_t(image.channels);
       fail("{}: expected finite pixels, got {} at row {}, column {}", name, image.values[i], pixel / size_t(image.nx),
            pixel % size_t(image.nx));
     }
-  return image;
+  return upright(image, picture.orientation);
 }
 
 [[noreturn]] void fail_not_an_image(const std::string& name, const std::string& kind = "") {
@@ -148,8 +167,10 @@ Image load_image(const std::string& path, ImageContent content) {
 }
 
 Image decode_image(const void* bytes, size_t size, const std::string& name, ImageContent content) {
-  const std::optional<Picture> picture = read_picture(bytes, size, name);
+  std::optional<Picture> picture = read_picture(bytes, size, name);
   if (!picture) fail_not_an_image(name);
+  picture->orientation = 1;
+  picture->gamma = 0;
   return image_from(*picture, name, content);
 }
 

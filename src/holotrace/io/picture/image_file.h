@@ -11,19 +11,22 @@
 namespace holotrace {
 
 /// Meaning of the values of an image. 8- and 16-bit values are either colours coded by sRGB (IEC 61966-2-1), or numbers
-/// in [0, 1] that are not decoded, such as the directions of a normal map.
-enum class ImageContent { colour, data };
+/// in [0, 1] that are not decoded, such as the directions of a normal map. Depths are such numbers, too, and need not be
+/// finite.
+enum class ImageContent { colour, data, depth };
 
 /// Whether the ending is that of a picture that load_image reads.
 bool has_image_ending(const std::string& path);
 
-/// Reads an image file as linear light: 8- and 16-bit values are decoded from sRGB to [0, 1] unless they are data;
-/// floating-point values (EXR) are not changed. Alpha is dropped. Grey images have one channel, all others three.
+/// Reads an image file as linear light: 8- and 16-bit values are decoded from sRGB (or by the exponent that a PNG tells)
+/// to [0, 1] unless they are data; floating-point values (EXR) are not changed. It is turned upright as its file says
+/// (EXIF, TIFF). Alpha is dropped. Grey images have one channel, all others three.
 /// @throws Error naming the file if it is missing, not an image, truncated, a field (channels real
 ///         and imag), or has values that are not finite
 Image load_image(const std::string& path, ImageContent content = ImageContent::colour);
 
-/// Like load_image, from the bytes of an image file, such as a texture inside a glTF model.
+/// Like load_image, from the bytes of an image file, such as a texture inside a glTF model. As glTF asks for, exponents
+/// and orientations in the file do not count.
 /// @param name  name of the image in error messages
 Image decode_image(const void* bytes, size_t size, const std::string& name,
                    ImageContent content = ImageContent::colour);

@@ -6,6 +6,7 @@
 #include <array>
 #include <csetjmp>
 
+#include "holotrace/io/picture/formats/exif.h"
 #include "holotrace/io/picture/formats/formats.h"
 
 namespace holotrace {
@@ -102,6 +103,7 @@ std::optional<Picture> read_jpeg(ByteSource& bytes, const HeaderCheck& wants) {
     jpeg_create_decompress(&info);
     info.src = &reader.source;
     info.progress = &reader.progress;
+    jpeg_save_markers(&info, JPEG_APP0 + 1, 0xffff);
     jpeg_read_header(&info, TRUE);
   });
   if (!has_header) return std::nullopt;
@@ -114,6 +116,8 @@ std::optional<Picture> read_jpeg(ByteSource& bytes, const HeaderCheck& wants) {
   picture.columns = int(info.image_width);
   picture.rows = int(info.image_height);
   picture.channels = channels_named(info.num_components == 1 ? 1 : 3);
+  for (const auto* marker = info.marker_list; marker && picture.orientation == 1; marker = marker->next)
+    picture.orientation = exif_orientation(marker->data, marker->data_length);
   if (!wants(picture)) return picture;
 
   picture.samples = samples_for(picture);

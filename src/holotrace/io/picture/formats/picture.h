@@ -18,6 +18,10 @@ struct PictureHeader {
   /// Names in the order of the samples of a pixel: Y, A (grey); R, G, B, A; in an EXR any.
   std::vector<std::string> channels;
   SampleType type = SampleType::bits_8;
+  /// Place of row 0 and column 0 in the upright picture, as TIFF and EXIF have it: 1 top and left; 2 top, right; 3 bottom,
+  /// right; 4 bottom, left; 5 left, top; 6 right, top; 7 right, bottom; 8 left, bottom.
+  int orientation = 1;
+  double gamma = 0;  ///< light is a sample, of at most 1, to this power; 0: sRGB
   std::map<std::string, std::string> texts;
   std::map<std::string, double> numbers;  ///< attributes of an EXR
 

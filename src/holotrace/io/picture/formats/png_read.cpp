@@ -1,3 +1,6 @@
+#include <cmath>
+
+#include "holotrace/io/picture/formats/exif.h"
 #include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/formats/png_session.h"
 
@@ -12,6 +15,22 @@ void read_texts(const PngSession& reader, PictureHeader& header) {
     const size_t length = texts[i].text_length > 0 ? texts[i].text_length : texts[i].itxt_length;
     header.texts[texts[i].key] = std::string(texts[i].text, length);
   }
+}
+
+// The exponent of samples, if the file tells one that is not that of sRGB.
+double gamma_of(const PngSession& reader) {
+  double coded = 0;
+  if (png_get_valid(reader.png, reader.info, PNG_INFO_sRGB | PNG_INFO_iCCP) != 0 ||
+      png_get_gAMA(reader.png, reader.info, &coded) == 0)
+    return 0;
+  constexpr double usual = 1 / 2.2;  // what many programs write for sRGB
+  return coded < 0.1 || coded > 10 || std::abs(coded - usual) < 0.005 ? 0 : 1 / coded;
+}
+
+int orientation_of(const PngSession& reader) {
+  png_bytep exif = nullptr;
+  png_uint_32 size = 0;
+  return png_get_eXIf_1(reader.png, reader.info, &size, &exif) != 0 ? exif_orientation(exif, size) : 1;
 }
 
 }  // namespace
@@ -41,6 +60,8 @@ std::optional<Picture> read_png(ByteSource& source, const HeaderCheck& wants) {
   });
   if (!has_header) return std::nullopt;
   picture.channels = channels_named(channels);
+  picture.orientation = orientation_of(reader);
+  picture.gamma = gamma_of(reader);
   read_texts(reader, picture);
   if (!wants(picture)) return picture;
 

@@ -118,6 +118,7 @@ bool read_tiles(TIFF* file, const Layout& layout, const PictureHeader& header, s
 bool read_converted(TIFF* file, const Layout& layout, Picture& picture) {
   const size_t count = size_t(picture.columns) * size_t(picture.rows);
   std::vector<uint32_t> pixels(count);
+  TIFFSetField(file, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);  // libtiff would turn rows, but not exchange axes
   if (!TIFFReadRGBAImageOriented(file, uint32_t(picture.columns), uint32_t(picture.rows), pixels.data(),
                                  ORIENTATION_TOPLEFT, 1))
     return false;
@@ -154,6 +155,8 @@ std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
   Picture picture;
   picture.columns = int(columns);
   picture.rows = int(rows);
+  const int orientation = tag<uint16_t>(file.get(), TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  picture.orientation = orientation >= 1 && orientation <= 8 ? orientation : 1;
   const Layout layout = layout_of(file.get(), picture);
   std::array<char, 1024> reason{};  // as TIFFRGBAImageOK wants it
   if (!layout.is_plain && !TIFFRGBAImageOK(file.get(), reason.data())) return std::nullopt;
