@@ -20,6 +20,11 @@ namespace {
   fail("expected a field file .npy, .h5 or .exr, got {}; change its extension", path);
 }
 
+// MATLAB's files are HDF5 from its version 7.3 on, if they are saved so.
+bool is_hdf5_name(const std::string& extension) {
+  return extension == ".h5" || extension == ".hdf5" || extension == ".mat";
+}
+
 template <class Real>
 std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
   const BasicField<Real>& field = stack.front();
@@ -33,19 +38,22 @@ std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
   if (field.grid.centre_y != 0) json["centre_y_m"] = field.grid.centre_y;
   if (!field.name.empty()) json["name"] = field.name;
   if (field.frame > 0) json["frame"] = field.frame;
-  if (field.cone_wavelength > 0) json["cone_wavelength_m"] = field.cone_wavelength;
+  if (const std::vector<double> cones = different_cones(stack); !cones.empty())
+    json["cone_wavelengths_m"] = cones;
+  else if (field.cone_wavelength > 0)
+    json["cone_wavelength_m"] = field.cone_wavelength;
   if (field.filter) json["filter"] = filter_to_json(*field.filter);
   return json.dump(2) + "\n";
 }
 
-std::vector<double> wavelengths_of(const nlohmann::json& json, size_t count, const std::string& path) {
-  const auto found = json.find("wavelengths_m");
-  require(found != json.end(), "{}: expected the key \"wavelengths_m\", which is missing; add it, in SI units", path);
+std::vector<double> numbers_of_fields(const nlohmann::json& json, const char* key, size_t count,
+                                      const std::string& path) {
+  const auto found = json.find(key);
+  require(found != json.end(), "{}: expected the key \"{}\", which is missing; add it, in SI units", path, key);
   const bool are_numbers = found->is_array() && std::all_of(found->begin(), found->end(),
                                                             [](const auto& value) { return value.is_number(); });
   require(are_numbers && found->size() == count,
-          "{}: expected {} number(s) in \"wavelengths_m\", one per field of the stack, got {}", path, count,
-          found->dump());
+          "{}: expected {} number(s) in \"{}\", one per field of the stack, got {}", path, count, key, found->dump());
   return found->template get<std::vector<double>>();
 }
 
@@ -67,16 +75,19 @@ std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   field.grid = {arrays.front().nx, arrays.front().ny, metadata_number(json, sidecar, "pitch_m")};
   field.grid.centre_x = metadata_number(json, sidecar, "centre_x_m", 0.0);
   field.grid.centre_y = metadata_number(json, sidecar, "centre_y_m", 0.0);
-  const std::vector<double> wavelengths = wavelengths_of(json, arrays.size(), sidecar);
+  const std::vector<double> wavelengths = numbers_of_fields(json, "wavelengths_m", arrays.size(), sidecar);
   field.z = metadata_number(json, sidecar, "z_m", 0.0);
   field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
   field.name = metadata_text(json, sidecar, "name", "");
   field.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
-  field.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
+  std::vector<double> cones(arrays.size(), metadata_number(json, sidecar, "cone_wavelength_m", 0.0));
+  if (json.contains("cone_wavelengths_m"))
+    cones = numbers_of_fields(json, "cone_wavelengths_m", arrays.size(), sidecar);
   field.filter = filter_from_json(json, sidecar);
   std::vector<BasicField<Real>> stack;
   for (size_t n = 0; n < arrays.size(); ++n) {
     field.wavelength = wavelengths[n];
+    field.cone_wavelength = cones[n];
     stack.push_back(field);
     stack.back().samples = std::move(arrays[n]);
   }
@@ -110,12 +121,12 @@ std::vector<BasicField<Real>> load(const std::string& path, Outside outside) {
   std::vector<BasicField<Real>> stack;
   if (extension == ".npy") {
     stack = read_fields_npy<Real>(path);
-  } else if (extension == ".h5") {
+  } else if (is_hdf5_name(extension)) {
     stack = read_fields_hdf5<Real>(path, outside);
   } else if (extension == ".exr") {
     stack.push_back(convert<Real>(read_field_exr(path)));
   } else {
-    fail("{}: expected a field .npy, .h5 or .exr, got {}", path, kind_of_file(path));
+    fail("{}: expected a field .npy, .h5, .mat or .exr, got {}", path, kind_of_file(path));
   }
   for (const auto& field : stack) check_loaded(path, field);
   return stack;
@@ -179,7 +190,7 @@ void save_field(const std::string& path, const BasicField<Real>& field) {
 
 bool is_field_file(const std::string& path) {
   const std::string extension = extension_of(path);
-  return extension == ".npy" || extension == ".h5" || (extension == ".exr" && is_field_exr(path));
+  return extension == ".npy" || is_hdf5_name(extension) || (extension == ".exr" && is_field_exr(path));
 }
 
 std::vector<Field> load_fields(const std::string& path, Outside outside) { return load<float>(path, outside); }

@@ -12,6 +12,18 @@
 
 namespace holotrace {
 
+/// The wavelengths of the cones of a stack's fields, if they differ; otherwise empty, and the first one is that of all.
+template <class Real>
+std::vector<double> different_cones(const std::vector<BasicField<Real>>& stack) {
+  std::vector<double> cones;
+  bool do_differ = false;
+  for (const auto& field : stack) {
+    cones.push_back(field.cone_wavelength);
+    do_differ |= field.cone_wavelength != stack.front().cone_wavelength;
+  }
+  return do_differ ? cones : std::vector<double>();
+}
+
 /// Fields that share one grid, plane, image side and filter, one per wavelength.
 template <class Real>
 void write_fields_hdf5(const std::string& path, const std::vector<BasicField<Real>>& stack);

@@ -36,7 +36,10 @@ hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid
   write_word(data, "image", image_side_name(field.image), path);
   if (!field.name.empty()) write_word(data, "name", field.name, path);
   if (field.frame > 0) write_number(data, "frame", field.frame, path);
-  if (field.cone_wavelength > 0) write_number(data, "cone_wavelength_m", field.cone_wavelength, path);
+  if (const std::vector<double> cones = different_cones(stack); !cones.empty())
+    write_numbers(data, "cone_wavelengths_m", cones, path);
+  else if (field.cone_wavelength > 0)
+    write_number(data, "cone_wavelength_m", field.cone_wavelength, path);
   if (field.filter) {
     const SpectralFilter& f = *field.filter;
     const double values[] = {f.u0, f.v0, f.half_u, f.half_v};

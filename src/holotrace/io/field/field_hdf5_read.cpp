@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <tuple>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "holotrace/io/field/hdf5_access.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/child_process.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 namespace {
@@ -21,24 +23,48 @@ namespace {
 struct Head {
   hsize_t count = 1, ny = 0, nx = 0;
   double pitch = 0, z = 0, centre_x = 0, centre_y = 0, frame = 0, cone_wavelength = 0;
-  bool has_filter = false;
+  bool has_filter = false, is_transposed = false;
   std::array<double, 4> filter{};
 };
 
-void check_type(hid_t data, const std::string& path) {
+ComplexNames names_in(hid_t data, const std::string& path) {
   const Handle type(H5Dget_type(data), H5Tclose);
-  bool is_complex = H5Tget_class(type) == H5T_COMPOUND && H5Tget_nmembers(type) == 2;
-  for (const char* part : {"r", "i"}) {
-    const int index = is_complex ? H5Tget_member_index(type, part) : -1;
-    const H5T_class_t kind = index < 0 ? H5T_NO_CLASS : H5Tget_member_class(type, unsigned(index));
-    is_complex = kind == H5T_FLOAT || kind == H5T_INTEGER;
-  }
-  require(is_complex,
-          "{}: expected complex samples {{r, i}} in \"field\", got another kind of number; convert them to complex64",
+  const std::optional<ComplexNames> names = complex_names(type);
+  require(names.has_value(),
+          "{}: expected complex samples {{r, i}} or {{real, imag}} in \"field\", got another kind of number; convert "
+          "them to complex64",
           path);
+  return *names;
 }
 
-Head read_head(hid_t data, const std::string& path) {
+// Numbers that belong to a field: attributes of its dataset, datasets beside it, or keys of the JSON file beside the
+// file, for programs that write no attributes.
+struct FieldNumbers {
+  const Hdf5Dataset& data;
+  const nlohmann::json& beside;
+  const std::string& path;
+
+  std::vector<double> all(const char* name) const {
+    const std::vector<double> values = data.numbers(name);
+    if (!values.empty() || !beside.contains(name)) return values;
+    if (beside[name].is_number()) return {metadata_number(beside, sidecar_path(path), name)};
+    return metadata_numbers(beside, sidecar_path(path), name);
+  }
+
+  std::vector<double> exactly(const char* name, size_t wanted) const {
+    const std::vector<double> values = all(name);
+    require(
+        values.size() == wanted,
+        "{}: expected {} number(s) \"{}\", got {}; add them in SI units, as an attribute of \"field\", as a variable "
+        "beside it or as a key of {}",
+        path, wanted, name, values.size(), sidecar_path(path));
+    return values;
+  }
+
+  double one_or(const char* name, double fallback) const { return all(name).empty() ? fallback : exactly(name, 1)[0]; }
+};
+
+Head read_head(const Hdf5Dataset& data, const FieldNumbers& numbers, const std::string& path) {
   Head head;
   const Handle space(H5Dget_space(data), H5Sclose);
   const int rank = H5Sget_simple_extent_ndims(space);
@@ -51,8 +77,9 @@ Head read_head(hid_t data, const std::string& path) {
           "{}: expected the shape (ny, nx) or (wavelengths, ny, nx), got {} dimensions of {} × {}", path, rank, head.ny,
           head.nx);
   require_all_samples(data, double(head.count) * double(head.ny) * double(head.nx), path);
-  const auto number = [&](const char* name) { return H5Aexists(data, name) > 0 ? read_number(data, name, path) : 0.0; };
-  head.pitch = read_number(data, "pitch_m", path);
+  head.is_transposed = H5Aexists(data, "MATLAB_class") > 0;  // MATLAB stores columns, one after the other
+  const auto number = [&](const char* name) { return numbers.one_or(name, 0); };
+  head.pitch = numbers.exactly("pitch_m", 1)[0];
   head.z = number("z_m");
   head.centre_x = number("centre_x_m");
   head.centre_y = number("centre_y_m");
@@ -63,13 +90,29 @@ Head read_head(hid_t data, const std::string& path) {
   return head;
 }
 
+// The wavelengths of the cones of the fields.
+std::vector<double> cones_of(const FieldNumbers& numbers, const Head& head) {
+  if (numbers.all("cone_wavelengths_m").empty()) return std::vector<double>(head.count, head.cone_wavelength);
+  return numbers.exactly("cone_wavelengths_m", head.count);
+}
+
+template <class Real>
+void transpose(BasicField<Real>& field) {
+  const Array2D<std::complex<Real>> columns = std::move(field.samples);
+  std::swap(field.grid.nx, field.grid.ny);
+  field.samples = Array2D<std::complex<Real>>(field.grid.ny, field.grid.nx);
+  for (int j = 0; j < field.grid.ny; ++j)
+    for (int i = 0; i < field.grid.nx; ++i) field.samples(j, i) = columns(i, j);
+}
+
 std::string word(hid_t data, const char* name, const std::string& path) {
   return H5Aexists(data, name) > 0 ? read_word(data, name, path) : "";
 }
 
 // Sends the samples in blocks of whole rows. Blocks are whole chunks, so that none is read or unpacked twice.
 template <class Real>
-void send_samples(const Hdf5Dataset& data, const Head& head, const std::string& path, ToParent& out) {
+void send_samples(const Hdf5Dataset& data, const Head& head, const ComplexNames& names, const std::string& path,
+                  ToParent& out) {
   constexpr double block_bytes = 4 << 20;
   const double row = double(head.nx) * 2 * sizeof(Real), chunk_rows = double(data.chunk_rows(1));
   const double wanted = std::max(1.0, std::ceil(block_bytes / row / chunk_rows)) * chunk_rows;
@@ -77,7 +120,8 @@ void send_samples(const Hdf5Dataset& data, const Head& head, const std::string& 
   const double bytes = double(head.count) * double(head.ny) * row, slowest = 1e7;  // [bytes/s], unpacking included
   out.allow(10 + bytes / slowest, 2 * data.chunk_bytes() + 2 * double(rows) * row + double(1 << 28));
 
-  const Handle memory(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE), H5Tclose);
+  const Handle memory(complex_type(sizeof(Real), sizeof(Real) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE, names),
+                      H5Tclose);
   const Handle place(H5Dget_space(data), H5Sclose);
   const bool is_one = H5Sget_simple_extent_ndims(place) == 2;
   std::vector<std::complex<Real>> samples(rows * head.nx);
@@ -117,29 +161,37 @@ BasicField<Real> field_of(const Head& head, const std::string& image, const std:
 template <class Real>
 std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside outside) {
   std::vector<BasicField<Real>> stack;
+  std::error_code ignored;
+  const bool has_sidecar = std::filesystem::exists(sidecar_path(path), ignored);
+  const nlohmann::json beside = has_sidecar ? read_metadata(sidecar_path(path)) : nlohmann::json::object();
   const auto read = [&](ToParent& out) {
     const Silence silence;
-    const Hdf5Dataset data(path, "field", outside);
-    check_type(data, path);
-    const Head head = read_head(data, path);
+    const Hdf5Dataset data(path, "field", outside, true);
+    const FieldNumbers numbers{data, beside, path};
+    const ComplexNames names = names_in(data, path);
+    const Head head = read_head(data, numbers, path);
     out.value(head);
     out.text(word(data, "image", path));
     out.text(word(data, "name", path));
-    out.list(read_numbers(data, "wavelengths_m", hssize_t(head.count), path));
-    send_samples<Real>(data, head, path, out);
+    out.list(numbers.exactly("wavelengths_m", head.count));
+    out.list(cones_of(numbers, head));
+    send_samples<Real>(data, head, names, path, out);
   };
   read_in_child(path, read, [&](FromChild& from) {
     const Head head = from.value<Head>();
     const std::string image = from.text(), name = from.text();
-    const auto wavelengths = from.list<double>();
+    const auto wavelengths = from.list<double>(), cones = from.list<double>();
+    require(cones.size() == wavelengths.size(), "{}: expected a field, but it is damaged", path);
     BasicField<Real> field = field_of<Real>(head, image, name, path);
     require_memory(double(wavelengths.size()) * double(head.ny) * double(head.nx) * 2 * sizeof(Real), path);
-    for (const double wavelength : wavelengths) {
-      field.wavelength = wavelength;
+    for (size_t n = 0; n < wavelengths.size(); ++n) {
+      field.wavelength = wavelengths[n];
+      field.cone_wavelength = cones[n];
       stack.push_back(field);
       stack.back().samples = Array2D<std::complex<Real>>(field.grid.ny, field.grid.nx);
       auto& values = stack.back().samples.values;
       from.bytes(values.data(), values.size() * sizeof values[0]);
+      if (head.is_transposed) transpose(stack.back());
     }
   });
   return stack;

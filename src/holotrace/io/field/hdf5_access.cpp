@@ -4,6 +4,7 @@
 #include <array>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/file_kind.h"
 
 namespace holotrace {
 
@@ -41,6 +42,26 @@ hid_t access_to_links(Outside outside) {
 
 }  // namespace
 
+namespace {
+
+// The dataset to open: that of the name, or the only one of complex numbers beside it.
+std::string name_or_only_complex(hid_t file, const std::string& name) {
+  if (file < 0 || H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0) return name;
+  std::vector<std::string> names;
+  const auto visit = [](hid_t group, const char* one, const H5L_info_t* link, void* list) -> herr_t {
+    if (link->type != H5L_TYPE_HARD) return 0;
+    const Handle object(H5Oopen(group, one, H5P_DEFAULT), H5Oclose);
+    if (H5Iget_type(object) != H5I_DATASET) return 0;
+    const Handle type(H5Dget_type(object), H5Tclose);
+    if (complex_names(type)) static_cast<std::vector<std::string>*>(list)->push_back(one);
+    return 0;
+  };
+  H5Literate(file, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names);
+  return names.size() == 1 ? names.front() : name;
+}
+
+}  // namespace
+
 void require_written(bool holds, const std::string& path) {
   require(holds, "expected to write {}, but HDF5 could not; check the room and the permissions there", path);
 }
@@ -60,11 +81,19 @@ hid_t create_hdf5(const std::string& path) {
   return file;
 }
 
-Hdf5Dataset::Hdf5Dataset(const std::string& path, const char* name, Outside outside)
+Hdf5Dataset::Hdf5Dataset(const std::string& path, const char* name, Outside outside, bool or_complex)
     : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose),
       access_(access_to_links(outside), H5Pclose),
-      data_(file_.valid() ? H5Dopen2(file_, name, access_) : -1, H5Dclose) {
-  require(file_.valid(), "{}: expected an HDF5 file, got other bytes or a truncated file; write it again", path);
+      data_(file_.valid()
+                ? H5Dopen2(file_, (or_complex ? name_or_only_complex(file_, name) : std::string(name)).c_str(), access_)
+                : -1,
+            H5Dclose) {
+  if (!file_.valid()) {
+    const std::string kind = known_kind_of_file(path);
+    fail("{}: expected an HDF5 file, got {}", path,
+         kind.empty() || kind.find("HDF5") != std::string::npos ? "other bytes or a truncated file; write it again"
+                                                                : kind);
+  }
   H5L_info_t link{};
   const bool is_link = H5Lget_info(file_, name, &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_EXTERNAL;
   require(data_.valid() || !is_link, "{}: expected the dataset \"{}\", got a link to another file{}", path, name,
@@ -102,10 +131,36 @@ double Hdf5Dataset::chunk_bytes() const {
   return bytes;
 }
 
-hid_t complex_type(size_t bytes, hid_t real) {
+std::vector<double> Hdf5Dataset::numbers(const char* name) const {
+  const bool is_attribute = H5Aexists(data_, name) > 0;
+  if (!is_attribute && H5Lexists(file_, name, H5P_DEFAULT) <= 0) return {};
+  const Handle object(is_attribute ? H5Aopen(data_, name, H5P_DEFAULT) : H5Dopen2(file_, name, access_),
+                      is_attribute ? H5Aclose : H5Dclose);
+  const Handle space(is_attribute ? H5Aget_space(object) : H5Dget_space(object), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  if (count < 1 || count > 1 << 20) return {};
+  std::vector<double> values(static_cast<size_t>(count));
+  const herr_t status = is_attribute ? H5Aread(object, H5T_NATIVE_DOUBLE, values.data())
+                                     : H5Dread(object, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  return status >= 0 ? values : std::vector<double>();
+}
+
+std::optional<ComplexNames> complex_names(hid_t type) {
+  if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_nmembers(type) != 2) return std::nullopt;
+  const auto is_number = [&](const char* part) {
+    const int index = H5Tget_member_index(type, part);
+    const H5T_class_t kind = index < 0 ? H5T_NO_CLASS : H5Tget_member_class(type, unsigned(index));
+    return kind == H5T_FLOAT || kind == H5T_INTEGER;
+  };
+  for (const ComplexNames& names : {ComplexNames{}, ComplexNames{"real", "imag"}, ComplexNames{"re", "im"}})
+    if (is_number(names.real) && is_number(names.imaginary)) return names;
+  return std::nullopt;
+}
+
+hid_t complex_type(size_t bytes, hid_t real, const ComplexNames& names) {
   const hid_t type = H5Tcreate(H5T_COMPOUND, 2 * bytes);
-  H5Tinsert(type, "r", 0, real);
-  H5Tinsert(type, "i", bytes, real);
+  H5Tinsert(type, names.real, 0, real);
+  H5Tinsert(type, names.imaginary, bytes, real);
   return type;
 }
 

@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,11 +56,16 @@ hid_t create_hdf5(const std::string& path);
 
 /// Opens a dataset of a file. libhdf5 crashes at some damaged files: read in a child process
 /// (io/files/child_process.h).
+/// @param or_complex  if no dataset has that name, take the only one of complex numbers
 /// @throws Error, naming the file, if it is not HDF5, has no such dataset, or has it in another file and that is refused
 class Hdf5Dataset {
  public:
-  Hdf5Dataset(const std::string& path, const char* name, Outside outside);
+  Hdf5Dataset(const std::string& path, const char* name, Outside outside, bool or_complex = false);
   operator hid_t() const { return data_; }
+
+  /// The numbers of an attribute or, if there is none, of a dataset of that name beside this one, as MATLAB writes a
+  /// variable; empty if there is neither.
+  std::vector<double> numbers(const char* name) const;
 
   /// Rows of one chunk, the last but `after` of its dimensions; 1 if the dataset is not stored in chunks.
   hsize_t chunk_rows(int after) const;
@@ -72,8 +78,16 @@ class Hdf5Dataset {
   Handle file_, access_, data_;
 };
 
-/// The type {r, i} of complex samples, each part of `bytes` bytes of the type `real`, as h5py has it.
-hid_t complex_type(size_t bytes, hid_t real);
+/// Names of the parts of a complex number.
+struct ComplexNames {
+  const char *real = "r", *imaginary = "i";  ///< as h5py has them
+};
+
+/// The names that a type of a file has for them: {r, i}, MATLAB's {real, imag} or {re, im}; none for other types.
+std::optional<ComplexNames> complex_names(hid_t type);
+
+/// The type of complex samples, each part of `bytes` bytes of the type `real`.
+hid_t complex_type(size_t bytes, hid_t real, const ComplexNames& names = {});
 
 void write_number(hid_t object, const char* name, double value, const std::string& path);
 

@@ -42,8 +42,9 @@ constexpr std::array<Kind, 7> pictures{{{"\x89PNG"sv, "a PNG"},
                                         {"II*\0"sv, "a TIFF"},
                                         {"MM\0*"sv, "a TIFF"},
                                         {"GIF8"sv, "a GIF"}}};
-constexpr std::array<Kind, 2> fields{
-    {{"\x93NUMPY"sv, "a field in NPY"}, {"\x89HDF"sv, "a field or focal stack in HDF5"}}};
+constexpr std::array<Kind, 3> fields{{{"\x93NUMPY"sv, "a field in NPY"},
+                                      {"\x89HDF"sv, "a field or focal stack in HDF5"},
+                                      {"MATLAB 7.3"sv, "a MATLAB file in HDF5"}}};
 // Formats of models that are read, and the extensions by which their readers are known.
 struct ModelFormat {
   std::string_view begin;
@@ -80,7 +81,7 @@ constexpr std::array others{
     Kind{"ASTM-E57"sv, "an E57 cloud of points; save it as PLY, as CloudCompare does"},
     Kind{"# .PCD"sv, "a PCD cloud of points; save it as PLY, as CloudCompare does"},
     Kind{"DRACO"sv, "a mesh packed by Draco; export it as glTF or PLY without compression"},
-    Kind{"MATLAB 5.0 MAT"sv, "a MATLAB file of version 5; save it with '-v7.3'"},
+    Kind{"MATLAB 5.0"sv, "a MATLAB file of an older version; save it there with -v7.3"},
     Kind{"%PDF"sv, "a PDF"},
     Kind{"\x7f"
          "ELF"sv,
