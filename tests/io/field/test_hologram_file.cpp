@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <tuple>
 
 #include "holotrace/io/field/hologram_file.h"
@@ -48,6 +49,31 @@ TEST(HologramFile, TheColoursOfAJointHologramComeBack) {
   const std::string text = test::png_text(path, "holotrace");
   test::set_png_text(path, "holotrace", std::string(text).replace(text.find("5.5"), 3, "-1"));
   EXPECT_NE(error_of([&] { load_hologram(path); }).find("illuminations of 0 W/m² or more"), std::string::npos);
+}
+
+// Maps and moduli belong to a hologram as further frames do: the next call replaces them.
+TEST(HologramFile, EncodingTwiceLeavesNoOldFiles) {
+  const std::string folder = temporary("twice");
+  std::filesystem::create_directories(folder);
+  Hologram hologram = all_levels(256, Modulation::complex);
+  hologram.modulus_level = hologram.level;
+  hologram.slm = Slm{};
+  hologram.slm->grid = hologram.grid;
+  hologram.slm->effects.phase_map = std::make_shared<const Array2D<float>>(hologram.grid.ny, hologram.grid.nx);
+  hologram.slm->effects.light_map = std::make_shared<const Array2D<float>>(hologram.grid.ny, hologram.grid.nx);
+  for (int call = 0; call < 3; ++call) {
+    const std::vector<std::string> notes =
+        write_together(folder + "/h.png", hologram_record(folder + "/h.png"), [&](const OutputSet& set) {
+          save_holograms(set, "h.png", {hologram, hologram});
+        });
+    EXPECT_TRUE(notes.empty()) << notes.front();
+  }
+  size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    EXPECT_FALSE(entry.path().string().ends_with("~")) << entry.path();
+    ++files;
+  }
+  EXPECT_EQ(files, 8u);  // each of two: levels, moduli and two maps
 }
 
 TEST(HologramFile, EveryLevelComesBackAsSaved) {
@@ -194,7 +220,7 @@ TEST(HologramFile, MetadataIsAsciiInsideThePng) {
   const std::string path = temporary("h.png");
   Hologram hologram = all_levels(4, Modulation::phase);
   hologram.name = "Würfel 箱";
-  save_hologram(path, hologram, {2, 3}, {{"h_modulus.png", 7}});
+  save_hologram(path, hologram, {2, 3}, [] { return FileRecord{{"h_modulus.png", 7}}; });
   const std::string text = test::png_text(path, "holotrace");
   EXPECT_TRUE(std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; })) << text;
   EXPECT_EQ(load_hologram(path).name, hologram.name);

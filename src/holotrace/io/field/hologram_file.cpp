@@ -170,7 +170,7 @@ ViewingConditions viewing_from(const nlohmann::json& json, const std::string& si
 }  // namespace
 
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
-                   const FileRecord& record) {
+                   const std::function<FileRecord()>& files) {
   require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
@@ -217,7 +217,8 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
     json["part"] = part.number;
     json["parts"] = part.count;
   }
-  if (!record.empty()) json["files"] = record_json(record_inside(path, record));
+  if (const FileRecord record = files ? files() : FileRecord(); !record.empty())
+    json["files"] = record_json(record_inside(path, record));
   const std::string text = json.dump(-1, ' ', true);  // ASCII, as PNG asks for
   const bool is_inside = text.size() <= longest_text;
   if (!is_inside) write_text(sidecar_path(path), text + "\n");
@@ -226,9 +227,11 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
 
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms) {
   const FileRecord before = set.record();
-  for (size_t i = holograms.size(); i-- > 0;)
-    save_hologram(set.path(numbered_path(name, i)), holograms[i], {i + 1, holograms.size()},
-                  i == 0 ? set.record_since(before) : FileRecord());
+  std::function<FileRecord()> files;
+  for (size_t i = holograms.size(); i-- > 0;) {
+    if (i == 0) files = [&] { return set.record_since(before); };
+    save_hologram(set.path(numbered_path(name, i)), holograms[i], {i + 1, holograms.size()}, files);
+  }
 }
 
 bool is_hologram_file(const std::string& path) {

@@ -29,10 +29,11 @@ struct SeriesPart {
 /// beside it, NAME_phase_map.exr [rad], and a light map NAME_light_map.exr, with the PNG's name. `effects` are those that the
 /// levels compensate.
 /// @param part    its place in a series
-/// @param record  files that belong to this one, as the next call must know them; none: no record
+/// @param files   the files that belong to this one, as the next call must know them, when its own are written; none: no
+///                record
 /// @throws Error for another extension, and where NewFile throws
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part = {},
-                   const FileRecord& record = {});
+                   const std::function<FileRecord()>& files = {});
 
 /// Writes a series of holograms into a set as NAME, NAME_2, …; the first one records the others.
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms);
