@@ -17,8 +17,10 @@ constexpr const char* group =
 
 void DepthImageFlags::add(Command& command) {
   command
-      .add_option("--depth", depth_,
-                  "depth of each pixel of the picture: grey of 8 or 16 bits, brighter is nearer; or EXR in metres")
+      .add_option(
+          "--depth", depth_,
+          "depth of each pixel of the picture: grey of 8 or 16 bits, from --near (white) to --far (black); or EXR in "
+          "metres")
       ->type_name("IMAGE")
       ->group(group);
   flags_.add(command, DepthImageParams(), {}, group);
@@ -26,7 +28,8 @@ void DepthImageFlags::add(Command& command) {
 
 bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_double) const {
   if (depth_.empty()) {
-    for (const char* name : {"near", "far", "width", "projection", "field_of_view", "phase", "seed", "common_cone"})
+    for (const char* name :
+         {"near", "far", "depth_scale", "width", "projection", "field_of_view", "phase", "seed", "common_cone"})
       require(!flags_.has(name),
               "expected --depth with {}, which describes a picture with depths; give both or neither", dashed(name));
     require(!has_image_ending(inputs.front()), "{}: expected --depth with a picture, got none; give its depth image",
@@ -48,7 +51,7 @@ std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Gri
   flags_.apply(params);
   SynthesizeParams synthesize;
   synthesis.apply(synthesize);
-  DepthImage image = load_depth_image(picture, depth_, params.near, params.far);
+  DepthImage image = load_depth_image(picture, depth_, params.near, params.far, params.scale);
   return depth_image_fields({std::move(image), panel, std::move(wavelengths), params, synthesize, frame}, observer);
 }
 

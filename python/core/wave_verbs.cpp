@@ -49,6 +49,7 @@ std::vector<Field> sum_depths(const DepthImage& image, const Slm& panel, nb::han
 
 DepthImage make_depth_image(const Image& picture, const In2<float>& depth) {
   DepthImage image{picture, to_array(depth, "depths")};
+  leave_out_empty_pixels(image);
   check_depth_image(image);
   return image;
 }
@@ -81,12 +82,16 @@ void bind_wave_verbs(nb::module_& module) {
   nb::class_<DepthImage> depth_image(module, "DepthImage");
   bind_bytes<DepthImage>(depth_image);
   depth_image.def_static("make", &make_depth_image);
-  depth_image.def_static("load",
-                         [](const std::string& picture, const std::string& depth, nb::handle near, nb::handle far) {
-                           const double white = to_length(near, "near"), black = to_length(far, "far");
-                           const nb::gil_scoped_release release;
-                           return load_depth_image(picture, depth, white, black);
-                         });
+  depth_image.def_static("load", [](const std::string& picture, const std::string& depth, nb::handle near,
+                                    nb::handle far, const std::string& scale) {
+    DepthImageParams params;
+    nb::dict given;
+    given["depth_scale"] = scale;
+    set_params(given, params);
+    const double white = to_length(near, "near"), black = to_length(far, "far");
+    const nb::gil_scoped_release release;
+    return load_depth_image(picture, depth, white, black, params.scale);
+  });
   depth_image.def_prop_ro("picture", [](const DepthImage& i) { return i.picture; });
   depth_image.def_prop_ro("depth", [](nb::handle self) { return view(self, nb::cast<DepthImage&>(self).depth); });
   module.def("depth_image_fields", &sum_depths, nb::arg("image"), nb::arg("slm"), nb::arg("wavelengths").none(),

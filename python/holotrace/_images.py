@@ -145,12 +145,15 @@ class DepthImage(Noun):
         )
 
 
-def load_depth_image(picture: Path, depth: Path, *, near: Length = 0.0, far: Length = 0.0) -> DepthImage:
+def load_depth_image(
+    picture: Path, depth: Path, *, near: Length = 0.0, far: Length = 0.0, depth_scale: str = "depth"
+) -> DepthImage:
     """A picture with depths from two files.
 
-    A depth file of 8 or 16 bits is grey: ``near`` is the depth of white, ``far`` that of black. An EXR has metres.
+    A depth file of 8 or 16 bits is grey: ``near`` is the depth of white, ``far`` that of black. Between them the depth
+    is in equal steps of grey, or with ``depth_scale="disparity"`` its inverse. An EXR has metres.
     """
-    return DepthImage._of(_core.DepthImage.load(os.fspath(picture), os.fspath(depth), near, far))
+    return DepthImage._of(_core.DepthImage.load(os.fspath(picture), os.fspath(depth), near, far, depth_scale))
 
 
 class FocalStack(Noun):

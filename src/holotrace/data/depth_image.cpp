@@ -1,10 +1,36 @@
 #include "holotrace/data/depth_image.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "holotrace/base/error.h"
 
 namespace holotrace {
+
+namespace {
+
+// Renderers write 1e10, or the largest number of half precision, 65504, where a ray hits nothing.
+constexpr float background_depth = 1e4F;  // [m]
+
+bool has_light(const Image& picture, size_t pixel) {
+  const auto* values = picture.values.data() + pixel * size_t(picture.channels);
+  return std::any_of(values, values + picture.channels, [](float value) { return value > 0; });
+}
+
+}  // namespace
+
+void leave_out_empty_pixels(DepthImage& image) {
+  const Image& picture = image.picture;
+  if (image.depth.nx != picture.nx || image.depth.ny != picture.ny) return;  // check_depth_image says so
+  float deepest = 0;
+  for (size_t i = 0; i < image.depth.size(); ++i) {
+    float& depth = image.depth.values[i];
+    if (!std::isfinite(depth) || depth >= background_depth) depth = 0;
+    if (has_light(picture, i)) deepest = std::max(deepest, depth);
+  }
+  for (size_t i = 0; i < image.depth.size(); ++i)
+    if (image.depth.values[i] > deepest && !has_light(picture, i)) image.depth.values[i] = 0;
+}
 
 void check_depth_image(const DepthImage& image) {
   const Image& picture = image.picture;
@@ -16,15 +42,15 @@ void check_depth_image(const DepthImage& image) {
     require(std::isfinite(picture.values[i]) && picture.values[i] >= 0,
             "expected light of 0 or more in a picture, got {} at row {}, column {}", picture.values[i],
             i / size_t(picture.channels) / size_t(picture.nx), i / size_t(picture.channels) % size_t(picture.nx));
-  bool has_light = false;
+  bool is_anywhere = false;
   for (size_t i = 0; i < image.depth.size(); ++i) {
     const float depth = image.depth.values[i];
     require(std::isfinite(depth) && depth >= 0,
             "expected depths of 0 m (nothing there) or more, got {} m at row {}, column {}", depth,
             i / size_t(picture.nx), i % size_t(picture.nx));
-    has_light = has_light || depth > 0;
+    is_anywhere = is_anywhere || depth > 0;
   }
-  require(has_light, "expected a pixel with a depth above 0 m, got none");
+  require(is_anywhere, "expected a pixel with a depth above 0 m, got none");
 }
 
 }  // namespace holotrace

@@ -16,9 +16,13 @@ struct DepthImage {
 /// slice of depth. Perspective: on the rays from the panel's centre through them.
 enum class Projection { orthographic, perspective };
 
+/// Quantity that the grey values of a depth picture have in equal steps: the depth, or its inverse (disparity).
+enum class DepthScale { depth, disparity };
+
 /// How a picture with depth becomes light.
 struct DepthImageParams {
   double near = 0, far = 0;                          ///< depths of white and black [m]; both 0: the file has metres
+  DepthScale scale = DepthScale::depth;              ///< what is in equal steps between them
   double width = 0;                                  ///< width of the picture [m]; 0: the panel's (orthographic)
   Projection projection = Projection::orthographic;  ///< projection of the pixels into space
   double field_of_view = 0;                          ///< half angle over the width [rad]; 0: the panel's acceptance
@@ -29,9 +33,14 @@ struct DepthImageParams {
 
 template <class Visitor>
 void describe(Visitor& v, DepthImageParams& p) {
-  v.length("near", p.near, range::not_negative,
-           "depth of white in the depth image (brighter is nearer); not for EXR, whose values are metres");
+  v.length(
+      "near", p.near, range::not_negative,
+      "depth of white in the depth image, above that of black where black is nearer; not for EXR, whose values are "
+      "metres");
   v.length("far", p.far, range::not_negative, "depth of black in the depth image");
+  v.choice("depth_scale", p.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}},
+           "quantity in equal steps of grey between white and black: the depth, or its inverse (disparity), as stereo "
+           "cameras and many depth estimators give it");
   v.length("width", p.width, range::not_negative, "orthographic: width of the picture; 0 m: the panel's");
   v.choice("projection", p.projection,
            {{"orthographic", Projection::orthographic}, {"perspective", Projection::perspective}},
@@ -45,6 +54,10 @@ void describe(Visitor& v, DepthImageParams& p) {
   v.flag("common_cone", p.has_common_cone,
          "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");
 }
+
+/// Takes as empty (depth 0) what can show no light: pixels whose depth is not finite or 10 km or more, and dark pixels behind all that have
+/// light, which hide nothing.
+void leave_out_empty_pixels(DepthImage& image);
 
 /// @throws Error  for sizes that differ or are 0, and for depths or light that are negative or not finite
 void check_depth_image(const DepthImage& image);

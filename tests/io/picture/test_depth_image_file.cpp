@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "holotrace/io/picture/depth_image_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/temporary.h"
@@ -52,14 +54,38 @@ TEST(DepthImageFile, AnExrHasMetres) {
   EXPECT_EQ(image.depth(0, 0), 0);
 }
 
+TEST(DepthImageFile, BlackMayBeNearerAndDisparityIsTheInverse) {
+  const std::string picture = picture_file("p.png", 2, 3, 3), depth = depth_file("d.png", 16);
+  const DepthImage black_near = load_depth_image(picture, depth, 0.2, 0.1);
+  EXPECT_FLOAT_EQ(black_near.depth(0, 0), 0.1F);
+  EXPECT_FLOAT_EQ(black_near.depth(0, 1), 0.2F);
+  const DepthImage disparity = load_depth_image(picture, depth, 0.1, 0.2, DepthScale::disparity);
+  EXPECT_FLOAT_EQ(disparity.depth(0, 0), 0.2F);
+  EXPECT_FLOAT_EQ(disparity.depth(0, 1), 0.1F);
+  EXPECT_FLOAT_EQ(disparity.depth(1, 2), 1 / (5 + 0.2F * 5));  // 1/m: 5 for black, 10 for white
+}
+
+// Renderers write 0, a huge number or infinity where a ray hits nothing.
+TEST(DepthImageFile, PixelsWithoutLightNeedNoDepth) {
+  Image picture(1, 5, 1), metres(1, 5, 1);
+  const float depths[] = {0.2F, 1e10F, std::numeric_limits<float>::infinity(), 0.1F, 0};
+  for (int i = 0; i < 5; ++i) metres(0, i) = depths[i], picture(0, i) = i < 2 ? 1.0F : 0.0F;
+  const std::string p = temporary("p.exr"), d = temporary("d.exr");
+  save_image(p, picture, 1, 8);
+  save_image(d, metres, 1, 8);
+  const DepthImage image = load_depth_image(p, d, 0, 0);
+  const float expected[] = {0.2F, 0, 0, 0.1F, 0};  // the dark one in front can hide others
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(image.depth(0, i), expected[i]) << i;
+}
+
 TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
   const std::string picture = picture_file("p.png", 2, 3, 3), depth = depth_file("d.png", 8);
   const auto error = [&](const std::string& p, const std::string& d, double near, double far) {
     return error_of([&] { load_depth_image(p, d, near, far); });
   };
-  const std::string range = depth + ": expected 0 m < near < far, the depths of its white and black, got near ";
+  const std::string range = depth + ": expected two different depths above 0 m of its white and black, got near ";
   EXPECT_EQ(error(picture, depth, 0, 0), range + "0 m and far 0 m; give --near and --far");
-  EXPECT_EQ(error(picture, depth, 0.2, 0.1), range + "200 mm and far 100 mm; give --near and --far");
+  EXPECT_EQ(error(picture, depth, 0.2, 0.2), range + "200 mm and far 200 mm; give --near and --far");
   EXPECT_EQ(error(picture, depth, -0.1, 0.1), range + "-100 mm and far 100 mm; give --near and --far");
   const std::string small = picture_file("s.png", 2, 2, 1);
   EXPECT_EQ(error(picture, small, 0.1, 0.2), small + ": expected depths for 3 × 2 pixels, as " + picture +
@@ -76,7 +102,7 @@ TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
   const std::string metres = temporary("d.exr");
   save_image(metres, Image(2, 3, 1), 1, 8);
   EXPECT_EQ(error(picture, metres, 0.1, 0.2),
-            metres + ": expected no near and far with a depth EXR, which has metres, got 100 mm and 200 mm");
+            metres + ": expected no near, far and scale with a depth EXR, which has metres, got 100 mm and 200 mm");
   EXPECT_EQ(error(picture, metres, 0, 0),
             picture + " with " + metres + ": expected a pixel with a depth above 0 m, got none");
 }

@@ -22,19 +22,22 @@ float grey(const Image& image, int row, int column, const std::string& path) {
 
 }  // namespace
 
-DepthImage load_depth_image(const std::string& picture_path, const std::string& depth_path, double near, double far) {
+DepthImage load_depth_image(const std::string& picture_path, const std::string& depth_path, double near, double far,
+                            DepthScale scale) {
   const bool has_metres = extension_of(depth_path) == ".exr";
   if (has_metres)
-    require(near == 0 && far == 0, "{}: expected no near and far with a depth EXR, which has metres, got {} and {}",
-            depth_path, format_length(near), format_length(far));
+    require(near == 0 && far == 0 && scale == DepthScale::depth,
+            "{}: expected no near, far and scale with a depth EXR, which has metres, got {} and {}", depth_path,
+            format_length(near), format_length(far));
   else
-    require(near > 0 && far > near && std::isfinite(far),
-            "{}: expected 0 m < near < far, the depths of its white and black, got near {} and far {}; give --near and "
-            "--far",
-            depth_path, format_length(near), format_length(far));
+    require(
+        near > 0 && far > 0 && near != far && std::isfinite(near) && std::isfinite(far),
+        "{}: expected two different depths above 0 m of its white and black, got near {} and far {}; give --near and "
+        "--far",
+        depth_path, format_length(near), format_length(far));
   DepthImage image;
   image.picture = load_image(picture_path);
-  const Image depth = load_image(depth_path, ImageContent::data);
+  const Image depth = load_image(depth_path, ImageContent::depth);
   require(depth.nx == image.picture.nx && depth.ny == image.picture.ny,
           "{}: expected depths for {} × {} pixels, as {} has, got {} × {}; make both pictures one size", depth_path,
           image.picture.nx, image.picture.ny, picture_path, depth.nx, depth.ny);
@@ -42,8 +45,12 @@ DepthImage load_depth_image(const std::string& picture_path, const std::string& 
   for (int j = 0; j < depth.ny; ++j)
     for (int i = 0; i < depth.nx; ++i) {
       const double value = grey(depth, j, i, depth_path);
-      image.depth(j, i) = float(has_metres ? value : far + (near - far) * value);
+      const double inverse = 1 / far + (1 / near - 1 / far) * value;
+      image.depth(j, i) = float(has_metres                       ? value
+                                : scale == DepthScale::disparity ? 1 / inverse
+                                                                 : far + (near - far) * value);
     }
+  leave_out_empty_pixels(image);
   try {
     check_depth_image(image);
   } catch (const Error& error) {

@@ -132,15 +132,15 @@ std::vector<double> depths_of(const DepthImage& image) {
 DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, const LightInCone& light,
                       const SynthesizeParams& synthesis, const Observer& observer) {
   const double per_metre = depth_error_per_metre(0, 0, depths.front(), panel, light.wavelength, light.cone_wavelength);
-  DepthSlices found = synthesis.slices > 0 ? slice_depths_into(depths, synthesis.slices)
-                                           : slice_depths(depths, 2 * depth_share * synthesis.tolerance / per_metre);
+  const double by_tolerance = 2 * depth_share * synthesis.tolerance / per_metre;
+  const auto thickness_at = [&](double depth) { return std::max(by_tolerance, depth_of_focus(depth, panel, light)); };
+  DepthSlices found =
+      synthesis.slices > 0 ? slice_depths_into(depths, synthesis.slices) : slice_depths(depths, thickness_at);
   observer.fact("slice_thickness_m", found.thickness);
   observer.fact("largest_depth_error", per_metre * found.thickness / 2);
   if (synthesis.slices == 0 && found.slices.size() > many_slices)
-    observer.warn(
-        fmt::format("a tolerance of {:.1e} needs {} slices, one transform each; set slices to fewer, or use a larger "
-                    "tolerance",
-                    synthesis.tolerance, found.slices.size()));
+    observer.warn(fmt::format("the panel's depth of focus needs {} slices, one transform each; set slices to fewer",
+                              found.slices.size()));
   return found;
 }
 
@@ -184,6 +184,13 @@ Slice make_slice(const Slicing& s, size_t index) {
 }
 
 }  // namespace
+
+double depth_of_focus(double depth, const Grid& panel, const LightInCone& light) {
+  const double edge = std::max(panel.width(), panel.height()) / 2;
+  const double sine =
+      std::min(edge / std::hypot(edge, depth), acceptance_sine(light.acceptance_wavelength(), panel.pitch));
+  return light.wavelength / (sine * sine);
+}
 
 SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
                              const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame,

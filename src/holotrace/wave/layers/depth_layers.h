@@ -17,6 +17,11 @@ struct LightInCone {
   double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 };
 
+/// Range of depths that look equally sharp through the whole panel: λ/NA² at a depth d, within which a wave front is off
+/// by at most a quarter of a wavelength (Rayleigh). NA is the sine of the angle from the axis to the panel's farther edge,
+/// or of its cone where that is less.
+double depth_of_focus(double depth, const Grid& panel, const LightInCone& light);
+
 /// A picture with depth as slices of depth on the panel's raster, made one at a time.
 ///
 /// A slice holds the samples whose pixel has its depth. Their amplitude is √L, L the picture's light at the wavelength
@@ -30,10 +35,11 @@ struct LightInCone {
 /// the cone gets all of its power: amplitudes are √L·λ/λc. All colours of a cone then have the irradiance L on
 /// their slice and send it evenly into the same angles. Light of constant phase goes straight on: amplitudes are √L.
 ///
-/// Slices: synthesis.slices of them, or as few as keep the phase of an even wave at the panel within 0.8 times the
-/// tolerance (slice.h). With silhouettes a slice hides everything behind its samples, including dark ones.
+/// Slices: synthesis.slices of them, or as few as the depth of focus allows (depth_of_focus), or the tolerance where that
+/// allows fewer: it keeps the phase of an even wave at the panel within 0.8 times the tolerance (slice.h). With silhouettes a slice hides everything behind its samples, including dark ones.
 ///
 /// @param image  must outlive the stack
+/// Facts: `slice_thickness_m`, `largest_depth_error`.
 /// @throws Error  as check_depth_image does; for a phase that is neither random nor constant, a width or angle below 0,
 ///                and a picture whose slices hold no sample
 SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,

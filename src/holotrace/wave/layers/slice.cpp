@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "holotrace/base/error.h"
@@ -19,12 +20,14 @@ std::vector<uint32_t> from_far_to_near(const std::vector<double>& depths) {
   return order;
 }
 
-DepthSlices slice_in_order(const std::vector<double>& depths, const std::vector<uint32_t>& order, double thickness) {
+DepthSlices slice_in_order(const std::vector<double>& depths, const std::vector<uint32_t>& order,
+                           const std::function<double(double)>& thickness_at) {
   DepthSlices result;
   for (size_t begin = 0; begin < order.size();) {
     const double farthest = depths[order[begin]];
     size_t end = begin;
-    while (end < order.size() && farthest - depths[order[end]] <= thickness) ++end;
+    while (end < order.size() && (end == begin || farthest - depths[order[end]] <= thickness_at(depths[order[end]])))
+      ++end;
     const double nearest = depths[order[end - 1]];
     DepthSlice slice{(farthest + nearest) / 2, {order.begin() + int64_t(begin), order.begin() + int64_t(end)}};
     std::sort(slice.members.begin(), slice.members.end());
@@ -53,20 +56,25 @@ double lit_area(double x, double y, double radius, const Grid& panel) {
 
 }  // namespace
 
+DepthSlices slice_depths(const std::vector<double>& depths, const std::function<double(double)>& thickness_at) {
+  return slice_in_order(depths, from_far_to_near(depths), thickness_at);
+}
+
 DepthSlices slice_depths(const std::vector<double>& depths, double thickness) {
-  return slice_in_order(depths, from_far_to_near(depths), thickness);
+  return slice_depths(depths, [&](double) { return thickness; });
 }
 
 DepthSlices slice_depths_into(const std::vector<double>& depths, int count) {
   if (depths.empty()) return {};
   const std::vector<uint32_t> order = from_far_to_near(depths);
+  const auto of = [&](double thickness) { return slice_in_order(depths, order, [&](double) { return thickness; }); };
   double low = 0, high = (depths[order.front()] - depths[order.back()]) * (1 + 1e-12);
-  DepthSlices best = slice_in_order(depths, order, low);
+  DepthSlices best = of(low);
   if (int(best.slices.size()) <= count) return best;
-  best = slice_in_order(depths, order, high);
+  best = of(high);
   for (int round = 0; round < 50; ++round) {  // 50 halvings take any range to the last bit of a double
     const double middle = (low + high) / 2;
-    DepthSlices found = slice_in_order(depths, order, middle);
+    DepthSlices found = of(middle);
     if (int(found.slices.size()) <= count) {
       high = middle;
       best = std::move(found);

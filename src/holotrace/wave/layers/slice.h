@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "holotrace/base/observer.h"
@@ -24,8 +25,9 @@ struct DepthSlices {
   double thickness = 0;            ///< thickness of the thickest slice: its largest less its smallest depth [m]
 };
 
-/// The fewest slices that hold all depths with none thicker than `thickness` [m]. Each slice starts at the farthest
-/// depth that is left.
+/// The fewest slices that hold all depths with none thicker than thickness_at(its nearest depth) [m]. Each slice starts
+/// at the farthest depth that is left.
+DepthSlices slice_depths(const std::vector<double>& depths, const std::function<double(double depth)>& thickness_at);
 DepthSlices slice_depths(const std::vector<double>& depths, double thickness);
 
 /// The thinnest `count` slices that hold all depths; fewer slices if there are fewer depths.
