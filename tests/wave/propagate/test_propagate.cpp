@@ -13,6 +13,7 @@
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "support/devices.h"
 #include "support/fields.h"
+#include "support/panels.h"
 #include "wave/direct_sums.h"
 
 namespace holotrace {
@@ -348,6 +349,31 @@ TEST(Propagate, TellsTheEnergyBeyondItsBand) {
   propagate(field, 0.05_m, {}, observer);
   // At 50 mm the band in y ends at 19.1e3/m; the beam sits at 56e3/m and leaves the window.
   EXPECT_GT(beyond, 0.99);
+}
+
+// Beyond z* (0 at a pitch below λ/2) the angular spectrum leaves out light between its frequencies. That of a single sample
+// is off by percents; the kernel is exact.
+TEST(Propagate, AnAngularSpectrumThatLeavesOutLightIsWarnedOf) {
+  for (const double pitch : {8_um, 0.2_um}) {
+    Field field({64, 64, pitch}, 532_nm);
+    field.samples(30, 33) = 1;
+    const double side = 64 * pitch,
+                 critical = pitch > 266_nm ? side * std::sqrt(std::pow(2 * pitch / 532_nm, 2) - 1) : 0;
+    const auto warnings = [&](double z, PropagationMethod method) {
+      Heard heard;
+      PropagateParams params;
+      params.method = method;
+      propagate(field, z, params, heard.observer());
+      return heard.warnings;
+    };
+    const double beyond = critical > 0 ? 1.5 * critical : side / 4;
+    const auto heard = warnings(beyond, PropagationMethod::angular_spectrum);
+    ASSERT_EQ(heard.size(), 1u) << pitch;
+    EXPECT_NE(heard[0].find("the angular spectrum leaves out steep light over "), std::string::npos) << heard[0];
+    EXPECT_NE(heard[0].find("use rayleigh-sommerfeld"), std::string::npos);
+    EXPECT_TRUE(warnings(beyond, PropagationMethod::automatic).empty());
+    if (critical > 0) EXPECT_TRUE(warnings(0.9 * critical, PropagationMethod::angular_spectrum).empty());
+  }
 }
 
 }  // namespace

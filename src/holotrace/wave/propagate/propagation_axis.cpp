@@ -105,11 +105,19 @@ std::string explain(const PropagationAxis& x, const PropagationAxis& y, double z
 void check_method(PropagationMethod method, const PropagationAxis& x, const PropagationAxis& y,
                   const Observer& observer) {
   const double farthest = std::max(critical(x), critical(y)), z = std::abs(x.z);
-  if (method == PropagationMethod::angular_spectrum)
+  if (method == PropagationMethod::angular_spectrum) {
     require(holds_angular_spectrum(x) && holds_angular_spectrum(y),
             "the angular spectrum cannot sample a propagation over {}: it needs a window of {} × {} or wider; use "
             "rayleigh-sommerfeld, or a larger window",
             format_length(z), format_length(window_needed(x)), format_length(window_needed(y)));
+    if (z >= farthest && z > 0)
+      observer.warn(fmt::format(
+          "the angular spectrum leaves out steep light over {}: {} a field of fine detail is off by some percent; use "
+          "rayleigh-sommerfeld, which is exact here, or auto",
+          format_length(z),
+          farthest > 0 ? fmt::format("beyond {}", format_length(farthest))
+                       : std::string("at a pitch of half a wavelength or less")));
+  }
   if (method == PropagationMethod::fresnel) {
     const double rho2 = (x.reach() * x.reach() + y.reach() * y.reach()) / 4;  // from the axis to the panel's corner
     const double neglected = pi / 4 * rho2 * rho2 / (x.wavelength * z * z * z);
