@@ -229,6 +229,19 @@ TEST_P(TrianglesKeep, TheTolerance) {
 }
 INSTANTIATE_TEST_SUITE_P(Tolerances, TrianglesKeep, ::testing::Values(3e-2, 1e-2, 3e-3, 1e-3));
 
+// Single triangles, whose errors nothing averages out.
+TEST(Triangles, KeepTheToleranceOneByOne) {
+  const Grid panel{96, 80, 8_um};
+  for (const double depth : {30_mm, 0.2_m})
+    for (const double size : {20_um, 60_um, 150_um}) {
+      const Triangles all = random_triangles(4, panel, depth, size);
+      for (const Triangle& t : all.triangles) {
+        const FieldDouble exact = sum_triangles_exact(only(t), panel, 0.01);
+        EXPECT_LT(relative_error(sum_triangles(only(t), panel, 1e-3), exact), 1e-3) << depth << " " << size;
+      }
+    }
+}
+
 // Twice the amplitudes, and the sum of two sets. Both sums have an error of 1e-3.
 TEST(Triangles, AreLinear) {
   const Grid panel{80, 60, 8_um};

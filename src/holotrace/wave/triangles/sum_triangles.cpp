@@ -36,7 +36,7 @@ TriangleChoice prepare(const Triangles& triangles, const Grid& grid, double tole
   const double bulge = std::min(0.5, std::sqrt(13 * tolerance * std::sqrt(coherence)));
   const double slope = most_phase_change / (std::hypot(32, 16) / 2 * grid.pitch);
   TriangleChoice choice;
-  for (const double finer : {0.6, 1.0, 2.0, 4.0}) {
+  for (const double finer : {0.6, 1.0, 2.0, 4.0, 8.0, 16.0}) {
     parts = cut_triangles(triangles, grid, {bulge / finer, slope / std::sqrt(std::max(1.0, finer))});
     choice = choose_triangle_tile(parts, grid, triangles.wavelength, tolerance, coherence);
     if (choice.meets_tolerance) break;
@@ -88,21 +88,33 @@ Field sum_triangles(const Triangles& triangles, const Grid& grid, double toleran
   observer.fact("triangles", triangles.triangles.size());
   observer.fact("method", std::string("triangles"));
 
-  // If the triangles partly cancel, errors weigh more. The second round uses the coherence that the first one found.
-  double coherence = 1, expected = 0;
+  // If the triangles partly cancel, errors weigh more: the next round uses the coherence that this one found. Where the
+  // errors of few parts add up to more than was expected, it aims at less.
+  constexpr double margin = 1.25;
+  double coherence = 1, expected = 0, aim = tolerance;
   std::vector<TrianglePart> parts;
   TriangleChoice choice;
-  for (int round = 0; round < 3; ++round) {
-    choice = prepare(triangles, grid, tolerance, coherence, parts);
+  for (int round = 0; round < 5; ++round) {
+    choice = prepare(triangles, grid, aim, coherence, parts);
     require(choice.meets_tolerance,
             "expected a tolerance that triangles can meet, {:.1e} or more for these, got {:.1e}; use a larger one",
-            1.25 * choice.error, tolerance);
+            margin * choice.error * tolerance / aim, tolerance);
     sum_parts(parts, choice, field, observer);
     const double met = choice.energy > 0 ? std::min(1.0, energy_of(field) / choice.energy) : 1;
     expected = met > 0 ? choice.error * std::sqrt(coherence / met) : choice.error;
-    if (1.25 * expected <= tolerance || met == 0) break;
-    coherence = met;
+    if (met == 0) break;
+    if (margin * expected > aim && round < 2) {
+      coherence = met;
+      continue;
+    }
+    if (const std::optional<double> measured = measured_triangle_error(parts, field)) expected = *measured;
+    if (margin * expected <= tolerance) break;
+    aim *= 0.9 * tolerance / (margin * expected);
   }
+  if (expected > tolerance)
+    observer.warn(fmt::format(
+        "the light of triangles has an error of {:.1e}, above the tolerance of {:.1e}; use the method tiled", expected,
+        tolerance));
   observer.fact("parts", parts.size());
   observer.fact("tile", fmt::format("{}x{}", choice.tile.columns, choice.tile.rows));
   observer.fact("expected_error", expected);

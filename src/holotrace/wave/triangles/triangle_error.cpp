@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
 
 namespace holotrace {
@@ -154,6 +155,37 @@ TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, cons
   choice.meets_tolerance = false;
   if (choice.error == 0) choice.error = 1;  // no tile can represent the phases of parts this large
   return choice;
+}
+
+std::optional<double> measured_triangle_error(const std::vector<TrianglePart>& parts, const Field& field) {
+  constexpr size_t work = 100000, least = 64, most = 1024;
+  const size_t draws = std::min(most, work / std::max<size_t>(parts.size(), 1));
+  if (draws < least) return std::nullopt;
+  const Grid& grid = field.grid;
+  std::vector<double> sums;  // running sums of the light
+  sums.reserve(field.samples.size());
+  double sum = 0;
+  for (const std::complex<float>& u : field.samples.values) sums.push_back(sum += std::norm(std::complex<double>(u)));
+  if (!(sum > 0)) return std::nullopt;
+  std::vector<double> errors(draws);
+  parallel_for(0, int64_t(draws), [&](int64_t s) {
+    CounterRandom random(1, 0, uint64_t(s));
+    const double place = (double(s / 2) + random.uniform()) / (double(draws + 1) / 2);
+    const size_t by_light = size_t(std::upper_bound(sums.begin(), sums.end(), place * sum) - sums.begin()),
+                 evenly = size_t(place * double(sums.size()));
+    const size_t pixel = std::min(s % 2 == 0 ? by_light : evenly, sums.size() - 1);
+    const int j = int(pixel / size_t(grid.nx)), i = int(pixel % size_t(grid.nx));
+    std::complex<double> exact = 0;
+    for (const TrianglePart& part : parts)
+      if (i >= part.box.x0 && i < part.box.x1 && j >= part.box.y0 && j < part.box.y1)
+        exact += fine_part_at(part, grid.x(i), grid.y(double(j)), field.wavelength);
+    const std::complex<double> found(field.samples.values[pixel]);
+    const double density = (std::norm(found) / sum + 1 / double(sums.size())) / 2;
+    errors[size_t(s)] = std::norm(found - exact) / density;
+  });
+  double total = 0;
+  for (const double error : errors) total += error;
+  return std::sqrt(total / double(draws) / sum);
 }
 
 }  // namespace holotrace

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "holotrace/data/field.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/wave/triangles/triangle_tile.h"
 
@@ -26,5 +28,13 @@ struct TriangleChoice {
 /// @param coherence  energy of the field over the sum of its parts' energies; 1 if it is not known to be smaller
 TriangleChoice choose_triangle_tile(const std::vector<TrianglePart>& parts, const Grid& grid, double wavelength,
                                     double tolerance, double coherence = 1);
+
+/// The relative L2 error of a sum of parts, measured against their exact light at pixels of the field: half of them drawn
+/// by its light, half evenly. None for so many parts that fewer than 64 pixels could be compared: the errors of many parts
+/// average out, so that the expected error is met.
+///
+/// @param field  the sum
+/// Cost: 100,000 parts at a pixel, some 5 µs each.
+std::optional<double> measured_triangle_error(const std::vector<TrianglePart>& parts, const Field& field);
 
 }  // namespace holotrace

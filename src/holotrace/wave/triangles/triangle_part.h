@@ -108,15 +108,23 @@ inline std::complex<double> envelope_at(const TrianglePart& part, double x, doub
   return envelope_of(part, part_phases(part, x, y, wavelength));
 }
 
-/// Field of a part at a place on the panel, without regard to its box.
-inline std::complex<double> part_at(const TrianglePart& part, double x, double y, double wavelength) {
+/// Field of a part at a place on the panel for an envelope there, without regard to its box.
+inline std::complex<double> part_with(const TrianglePart& part, double x, double y, double wavelength,
+                                      std::complex<double> envelope) {
   const double dx = x - part.centroid.x, dy = y - part.centroid.y, rho2 = dx * dx + dy * dy;
   const double beyond = rho2 / (std::sqrt(rho2 + part.depth * part.depth) + part.depth);
-  return cis_cycles(part.start_cycles + beyond / wavelength) * envelope_at(part, x, y, wavelength) /
-         (part.depth + beyond);
+  return cis_cycles(part.start_cycles + beyond / wavelength) * envelope / (part.depth + beyond);
+}
+
+inline std::complex<double> part_at(const TrianglePart& part, double x, double y, double wavelength) {
+  return part_with(part, x, y, wavelength, envelope_at(part, x, y, wavelength));
 }
 
 /// The same envelope from 2^halvings pieces of the part; its error falls sixteenfold with every two halvings.
 std::complex<double> fine_envelope_at(const TrianglePart& part, double x, double y, double wavelength, int halvings);
+
+inline std::complex<double> fine_part_at(const TrianglePart& part, double x, double y, double wavelength) {
+  return part_with(part, x, y, wavelength, fine_envelope_at(part, x, y, wavelength, 4));
+}
 
 }  // namespace holotrace
