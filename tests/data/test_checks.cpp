@@ -68,11 +68,14 @@ TEST(Checks, PanelsOutOfRangeAreRefused) {
 }
 
 TEST(Checks, TheFirstSourceAtFaultIsNamed) {
-  EXPECT_EQ(
-      error_of([] {
-        check_sources({532e-9, {{{0, 0, -1}, 1, 0}, {{0, 0, 0}, 1, 0}}});
-      }),
-      "expected source 1 behind the panel (z < 0), got z = 0 m; move the scene to negative z, the viewer's far side");
+  EXPECT_EQ(error_of([] {
+              check_sources({532e-9, {{{0, 0, -1}, 1, 0}, {{0, 0, 0}, 1, 0}}});
+            }),
+            "expected source 1 behind the panel (z < 0) or in front of it (z > 0), got z = 0 m");
+  const Sources front{532e-9, {{{0, 0, -1}, 1, 0}, {{0, 0, 0.1}, 1, 0}}};
+  EXPECT_EQ(error_of([&] { check_sources(front); }), "no error");
+  EXPECT_EQ(error_of([&] { check_sources_behind(front); }),
+            "expected source 1 behind the panel (z < 0), got z = 100 mm; synthesize sums waves from both sides");
   EXPECT_EQ(error_of([] {
               check_sources({532e-9, {{{0, 0, -1}, 1, std::nanf("")}}});
             }),
@@ -106,9 +109,9 @@ TEST(Checks, BrokenScenesAreNamedByMeshAndElement) {
   for (Vec3& p : scene.meshes[0].positions) p.x = 0;
   EXPECT_EQ(error_of([&] { check_scene(scene); }), "expected mesh \"quad\" with some area to shine from, got none");
   scene.meshes.clear();
-  scene.points = {{{0, 0, 0.1}}};
+  scene.points = {{{0, 0, 0.1}}, {{0, 0, 0}}};
   EXPECT_EQ(error_of([&] { check_scene(scene); }),
-            "expected point 0 behind the panel (z < 0), got z = 100 mm; move the object to negative z");
+            "expected point 1 behind the panel (z < 0) or in front of it (z > 0), got z = 0 m");
 }
 
 }  // namespace

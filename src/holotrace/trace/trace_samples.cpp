@@ -114,6 +114,7 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
   const std::vector<RayWave> waves = find_waves(t.scene, t.params, t.side, *ray, sample, block.counts);
   block.first_hits += !waves.empty();
   for (const RayWave& wave : waves) {
+    if (wave.origin.z == 0) continue;  // a point of the panel lights no pixel
     block.far_waves += wave.leaf.is_far;
     if (t.tiles.empty())
       add_shared(t, *ray, wave, sample, block);

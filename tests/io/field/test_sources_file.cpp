@@ -106,12 +106,10 @@ TEST(SourcesFile, AFileWithoutAWavelengthTakesTheDefault) {
                                                        "the wavelength, such as --wavelength \"532 nm\"");
 }
 
-TEST(SourcesFile, SourcesInFrontOfThePanelAreNamed) {
-  const std::string path = make_file("s.ply", ascii("0 0 -1 1 0\n0 0 0.3 1 0\n", "comment wavelength_m 5e-7\n", 2));
+TEST(SourcesFile, SourcesOnThePanelAreNamed) {
+  const std::string path = make_file("s.ply", ascii("0 0 0.3 1 0\n0 0 0 1 0\n", "comment wavelength_m 5e-7\n", 2));
   EXPECT_EQ(error_of([&] { load_sources(path); }),
-            path +
-                ": expected source 1 behind the panel (z < 0), got z = 300 mm; move the scene to negative z, the "
-                "viewer's far side");
+            path + ": expected source 1 behind the panel (z < 0) or in front of it (z > 0), got z = 0 m");
 }
 
 TEST(SourcesFile, NumbersThatAreNotFiniteAreNamed) {

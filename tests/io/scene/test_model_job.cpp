@@ -194,7 +194,9 @@ TEST(ModelJob, TheCameraLooksAtTheNearestAndTheFarthestSurface) {
 
 TEST(ModelJob, AModelWithoutAnExtentIsRefused) {
   const std::string path = test::make_file("m.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
-  EXPECT_EQ(error_of([&] { load_job(path); }), path + ": expected a model with an extent, got a single point");
+  EXPECT_EQ(
+      error_of([&] { load_job(path); }),
+      path + ": expected a mesh with triangles, got only triangles without an area; are all its parts scaled to 0?");
 }
 
 TEST(ModelJob, EveryKindOfModelLoadsThroughASceneAndAlone) {

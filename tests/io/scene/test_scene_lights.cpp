@@ -179,7 +179,6 @@ TEST(SceneParameters, OutOfRangeOnesArePlaced) {
   EXPECT_EQ(error_of_light("[render]\neye = \"0 0 -1 mm\""),
             "3:7: expected a length of 0 m or more for z of \"eye\", got -1 mm");
   EXPECT_EQ(error_of_light("[render]\npupil = \"0 mm\""), "3:9: expected a length above 0 m for \"pupil\", got 0 m");
-  EXPECT_EQ(error_of_light("[render]\nfocus = \"0 mm\""), "3:9: expected a length above 0 m for \"focus\", got 0 m");
 }
 
 }  // namespace

@@ -85,6 +85,15 @@ void SceneObjects::add_object(TomlTable object) {
   Geometry geometry = read_object(object);
   const Bounds bounds = bounds_of(geometry);
   require(!bounds.empty, "{}expected an object with triangles or points, got an empty one", object.where(""));
+  require(
+      bounds.low.z != 0 || bounds.high.z != 0,
+      "{}expected the object behind the panel (z < 0) or in front of it (z > 0), but it lies in its plane, z = 0; move it "
+      "with \"position\"",
+      object.where(""));
+  if (bounds.low.z < 0 && bounds.high.z > 0 && !object.has("position") && !object.has("positions"))
+    job_.warnings.push_back(fmt::format(
+        "{}the object stands in the panel, from z = {} to {}; give its \"position\", such as \"0 0 -300 mm\"",
+        object.where(""), format_length(bounds.low.z), format_length(bounds.high.z)));
   for (Mesh& mesh : geometry.meshes) {
     if (mesh.material < 0) {
       if (default_material_ < 0) {
