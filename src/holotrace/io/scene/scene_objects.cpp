@@ -1,5 +1,7 @@
 #include "holotrace/io/scene/scene_objects.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
