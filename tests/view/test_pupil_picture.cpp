@@ -59,9 +59,12 @@ TEST(PupilPicture, EvenLightStaysEvenForCellsSmallAndLarge) {
   for (const int cells : {1, 3, 8, 40})
     for (const double diameter : {1e-6, 0.1e-3, 0.2e-3, 2e-3}) {
       const LightField field = even_field(cells, cells, [](int, int) { return 0.75; });
-      const PupilPicture picture = picture_through(field, green_light, pupil_panel, 0.2, {{0, 0, 0.3}, diameter});
-      for (const float value : picture.radiance.values)
-        ASSERT_NEAR(value, 0.75, 5e-5) << "up to 1600 floats, 2^-25 each";
+      for (const double distance : {0.2, -0.1}) {  // behind the panel, and between it and the eye
+        const PupilPicture picture =
+            picture_through(field, green_light, pupil_panel, distance, {{0, 0, 0.3}, diameter});
+        for (const float value : picture.radiance.values)
+          ASSERT_NEAR(value, 0.75, 5e-5) << "up to 1600 floats, 2^-25 each";
+      }
     }
 }
 
@@ -231,7 +234,8 @@ TEST(PupilPicture, RefusesWhatCannotBe) {
     return error_of([&] { picture_through(f, green_light, pupil_panel, distance, pupil); });
   };
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 2e-3}), "no error");
-  EXPECT_EQ(error(field, 0, {{0, 0, 0.3}, 2e-3}), "expected a length above 0 m for the plane of the picture, got 0 m");
+  EXPECT_EQ(error(field, 0, {{0, 0, 0.3}, 2e-3}),
+            "expected the plane of the picture beside the panel and behind the lens, got one at 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 0}), "expected a length above 0 m for the pupil's diameter, got 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, -0.3}, 2e-3}),
             "expected a length above 0 m for the pupil's distance from the panel, got -300 mm");
