@@ -20,7 +20,7 @@ DepthRange range_of(std::vector<double> depths) {
 }  // namespace
 
 std::vector<DepthRange> depth_ranges(const Scene& scene, const Grid& panel, double wavelength) {
-  constexpr int side = 96;                 // rays along each axis from each place
+  constexpr int side = 215;                // rays along each axis of their directions
   constexpr double least_light = 0.1;      // of an image, as a part of that of its object
   constexpr size_t places_of_image = 100;  // one place in so many
   const PathScene path_scene(scene, Lines(), {}, PathParams());
@@ -32,19 +32,20 @@ std::vector<DepthRange> depth_ranges(const Scene& scene, const Grid& panel, doub
   };
   for (const ScenePoint& point : scene.points) add(point.position, surfaces);
   PathCounts counts;
-  for (const Vec2 at : {Vec2{0, 0}, Vec2{-0.5, -0.5}, Vec2{0.5, -0.5}, Vec2{-0.5, 0.5}, Vec2{0.5, 0.5}}) {
-    const Vec3 from{at.x * half_width, at.y * half_height, 0};
-    for (int j = 0; j < side; ++j)
-      for (int i = 0; i < side; ++i) {
-        const auto slope = [&](int k) { return tangent * (2 * (k + 0.5) / side - 1); };
-        const Ray ray = path_scene.accelerator.from_viewer({from, normalize({slope(i), slope(j), -1})});
-        if (const auto hit = path_scene.accelerator.closest_hit(ray)) add(hit->point.position, surfaces);
-        for (const SpecularLeaf& leaf : follow_specular(path_scene, ray, counts))
-          if (!leaf.chain.empty() && leaf.kind != LeafKind::beyond && !leaf.is_far &&
-              max_component(leaf.weight) >= least_light)
-            add(ray.origin + ray.direction * leaf.distance, images);
-      }
-  }
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
+      // Places spread evenly over the panel (the sequence R2): near it, each ray sees a small part of the scene only.
+      const double number = j * side + i;
+      const auto spread = [&](double step) { return 2 * (number * step - std::floor(number * step)) - 1; };
+      const Vec3 from{half_width * spread(0.7548776662466927), half_height * spread(0.5698402909980532), 0};
+      const auto slope = [&](int k) { return tangent * (2 * (k + 0.5) / side - 1); };
+      const Ray ray = path_scene.accelerator.from_viewer({from, normalize({slope(i), slope(j), -1})});
+      if (const auto hit = path_scene.accelerator.closest_hit(ray)) add(hit->point.position, surfaces);
+      for (const SpecularLeaf& leaf : follow_specular(path_scene, ray, counts))
+        if (!leaf.chain.empty() && leaf.kind != LeafKind::beyond && !leaf.is_far &&
+            max_component(leaf.weight) >= least_light)
+          add(ray.origin + ray.direction * leaf.distance, images);
+    }
   std::vector<DepthRange> ranges;
   if (!surfaces.empty()) ranges.push_back(range_of(surfaces));
   if (!images.empty() && places_of_image * images.size() >= surfaces.size()) ranges.push_back(range_of(images));

@@ -12,7 +12,7 @@ struct DepthRange {
   double nearest = 0, farthest = 0;
 };
 
-/// The depths of what the panel shows inside its own window, for rays from five places of the panel, in its diffraction
+/// The depths of what the panel shows inside its own window, for rays from all over the panel, in its diffraction
 /// cone. One range has the surfaces that the rays meet first and the luminous points, one the images behind mirrors and
 /// glass, at their apparent distances (follow_specular). What lies beside the panel's width and height is left out, and in
 /// each range the 0.5 % nearest and farthest places. Images count if at least a tenth of the light comes by them, and if
