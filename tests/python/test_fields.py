@@ -103,11 +103,11 @@ def test_an_invalid_pitch_is_refused_by_name(given):
 
 
 def test_geometry_is_that_of_the_conventions():
-    field = ht.Field(np.ones((3, 4)), pitch=2.0, wavelength=5e-7, centre=(10, 20), z=-0.3)
-    assert field.x.tolist() == [7, 9, 11, 13]  # x to the right
-    assert field.y.tolist() == [22, 20, 18]  # row 0 on top
-    assert field.z == -0.3 and field.centre == (10, 20)
-    assert field.power == 12 * 4  # 12 samples of 1 W/m2 on 2 m x 2 m each
+    field = ht.Field(np.ones((3, 4)), pitch=2e-3, wavelength=5e-7, centre=(10e-3, 20e-3), z=-0.3)
+    np.testing.assert_allclose(field.x, [7e-3, 9e-3, 11e-3, 13e-3], rtol=1e-12)  # x to the right
+    np.testing.assert_allclose(field.y, [22e-3, 20e-3, 18e-3], rtol=1e-12)  # row 0 on top
+    assert field.z == -0.3 and field.centre == (10e-3, 20e-3)
+    assert field.power == pytest.approx(12 * 4e-6)  # 12 samples of 1 W/m2 on 2 mm x 2 mm each
 
 
 def test_fields_survive_pickle_and_copy(field):
@@ -140,7 +140,7 @@ def test_sources_are_views(points):
 
 @pytest.mark.parametrize(
     "places, message",
-    [([[0, 0, 0.1]], "behind the panel"), ([[0, 0]], r"\(n, 3\)"), ([0, 0, -1], r"\(n, 3\)"), ([[0, 0, np.nan]], "finite")],
+    [([[0, 0, 0]], "behind the panel"), ([[0, 0]], r"\(n, 3\)"), ([0, 0, -1], r"\(n, 3\)"), ([[0, 0, np.nan]], "finite")],
 )
 def test_bad_sources_are_refused(places, message):
     with pytest.raises(ht.Error, match=message):

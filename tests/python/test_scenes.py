@@ -186,7 +186,7 @@ def test_points_of_arrays_are_waves():
         ({"normals": np.ones((3, 3))}, "expected one of normals for each of 4 vertices, got 3"),
         ({"material": "gold"}, r'\[\[object\]\]: unknown material "gold"'),
         ({"colour": 1}, r'\[\[object\]\]: unknown key "colour"'),
-        ({"position": (0, 0, 0.1)}, r"\[\[object\]\]: expected the object behind the panel"),
+        ({"position": (0, 0, 0)}, r"\[\[object\]\]: expected the object behind the panel"),
     ],
 )
 def test_bad_arrays_of_a_scene_are_refused(entry, message):

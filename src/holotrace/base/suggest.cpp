@@ -62,11 +62,15 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   if (name.size() > longest) return best;
   if (std::string meant = meaning_of(name, known); !meant.empty()) return meant;
   const size_t letters = name.size() - std::min(name.find_first_not_of('-'), name.size());  // of a flag: without dashes
-  size_t best_distance = std::max<size_t>(letters / 3, 1) + 1;
+  size_t best_distance = longest;
   for (const std::string& candidate : known) {
     if (candidate.size() > longest) continue;
+    // Other endings of one word are as near as a third of its letters elsewhere.
+    constexpr size_t beginning = 4;
+    const bool is_one_word = letters > beginning && candidate.starts_with(name.substr(0, beginning)) && name[0] != '-';
+    const size_t most = is_one_word ? letters / 2 : std::max<size_t>(letters / 3, 1);
     const size_t distance = edit_distance(name, candidate);
-    if (distance < best_distance) {
+    if (distance <= most && distance < best_distance) {
       best_distance = distance;
       best = candidate;
     }
