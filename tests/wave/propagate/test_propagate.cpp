@@ -372,7 +372,9 @@ TEST(Propagate, AnAngularSpectrumThatLeavesOutLightIsWarnedOf) {
     EXPECT_NE(heard[0].find("the angular spectrum leaves out steep light over "), std::string::npos) << heard[0];
     EXPECT_NE(heard[0].find("use rayleigh-sommerfeld"), std::string::npos);
     EXPECT_TRUE(warnings(beyond, PropagationMethod::automatic).empty());
-    if (critical > 0) EXPECT_TRUE(warnings(0.9 * critical, PropagationMethod::angular_spectrum).empty());
+    if (critical > 0) {
+      EXPECT_TRUE(warnings(0.9 * critical, PropagationMethod::angular_spectrum).empty());
+    }
   }
 }
 
