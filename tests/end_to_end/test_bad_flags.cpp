@@ -89,7 +89,7 @@ TEST(BadInput, WhatAFileIsDecidesTheMessage) {
   expect_error(work, {"run", "f.npy", "-o", "out"}, {"f.npy", "a field in NPY", "holotrace propagate"});
   expect_error(work, {"run", "s.ply", "-o", "out"}, {"s.ply", "sources of waves", "holotrace field"});
   expect_error(work, {"propagate", "scene.toml", "--distance", "1 mm", "-o", "g.npy"},
-               {"scene.toml", "a field .npy, .h5 or .exr", "a scene or panel file", "holotrace run"});
+               {"scene.toml", "a field .npy, .h5, .mat or .exr", "a scene or panel file", "holotrace run"});
 }
 
 TEST(BadInput, FilesOutsideAModelsFolderNeedAFlag) {

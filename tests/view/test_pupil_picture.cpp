@@ -235,7 +235,7 @@ TEST(PupilPicture, RefusesWhatCannotBe) {
   };
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 2e-3}), "no error");
   EXPECT_EQ(error(field, 0, {{0, 0, 0.3}, 2e-3}),
-            "expected the plane of the picture beside the panel and behind the lens, got one at 0 m");
+            "expected the plane of the picture beside panel and lens, and behind the pupil, got one at 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 0}), "expected a length above 0 m for the pupil's diameter, got 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, -0.3}, 2e-3}),
             "expected a length above 0 m for the pupil's distance from the panel, got -300 mm");

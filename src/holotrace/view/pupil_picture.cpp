@@ -180,9 +180,10 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_light_field(light_field);
   check_wavelength(wavelength);
   check_grid(grid);
-  require(std::isfinite(distance) && distance != 0 && distance + light_field.lens_z > 0,
-          "expected the plane of the picture beside the panel and behind the lens, got one at {}",
-          format_length(distance));
+  require(
+      std::isfinite(distance) && distance != 0 && distance + light_field.lens_z != 0 && distance + pupil.centre.z > 0,
+      "expected the plane of the picture beside panel and lens, and behind the pupil, got one at {}",
+      format_length(distance));
   check_range(pupil.diameter, range::positive, Quantity::length, " for the pupil's diameter");
   check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
@@ -195,8 +196,8 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   const Geometry geometry{from_lens,
                           light_field.distance + light_field.lens_z,
                           share,
-                          pupil.diameter / 2 * share,
-                          box_radius(from_lens, wavelength, panel.pitch),
+                          pupil.diameter / 2 * std::abs(share),
+                          box_radius(std::abs(from_lens), wavelength, panel.pitch),
                           from_lens / distance};
   const Axis across{light_field.left(),
                     light_field.cell_width(),
