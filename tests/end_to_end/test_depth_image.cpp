@@ -139,9 +139,10 @@ TEST(DepthImage, MistakesAreToldInASentence) {
             "holotrace: picture.png: expected --depth with a picture, got none; give its depth image\n");
   EXPECT_EQ(error({"field", "scene.toml", "--near", "3 mm", "-o", "f.npy"}),
             "holotrace: expected --depth with --near, which describes a picture with depths; give both or neither\n");
-  EXPECT_EQ(error({"field", "picture.png", "--depth", "depth.png", "-o", "f.npy"}),
-            "holotrace: depth.png: expected 0 m < near < far, the depths of its white and black, got near 0 m and far "
-            "0 m; give --near and --far\n");
+  EXPECT_EQ(
+      error({"field", "picture.png", "--depth", "depth.png", "-o", "f.npy"}),
+      "holotrace: depth.png: expected two different depths above 0 m of its white and black, got near 0 m and far "
+      "0 m; give --near and --far\n");
   EXPECT_EQ(error(field_command({"--method", "tiled"})),
             "holotrace: expected the method layers for a picture with depths, got tiled; leave it out\n");
   EXPECT_EQ(
