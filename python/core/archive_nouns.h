@@ -185,8 +185,8 @@ void members(Archive& archive, Chosen& part) {
 }
 template <class Archive>
 void members(Archive& archive, Job& noun) {
-  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, are_distances_given, warnings,
-         chosen] = noun;
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, are_distances_given,
+         warnings, chosen] = noun;
   archive(scene, wavelengths, slm, are_distances_given, warnings, chosen);
   ParamMembers<Archive> params{archive};
   describe(params, trace);

@@ -121,7 +121,8 @@ TEST(LimitsCommand, RefusesWhatItCannotAnswer) {
   for (const char* size : {"-5 mm", "0 mm"})
     EXPECT_NE(sentence({"--angle", "15 deg", "--size", size}).find("--size: expected a length above 0 m"),
               std::string::npos);
-  EXPECT_NE(sentence({"--angle", "15 deg", "--size", "1e30 m"}).find("--size: expected a length of at most 1e+06 m"), std::string::npos);
+  EXPECT_NE(sentence({"--angle", "15 deg", "--size", "1e30 m"}).find("--size: expected a length of at most 1e+06 m"),
+            std::string::npos);
   for (const char* plot : {"w.png", "./w_y.png"})
     EXPECT_NE(sentence({"--picture", "w.png", "--plot", plot}).find("expected a file for each output"),
               std::string::npos)

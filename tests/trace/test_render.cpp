@@ -385,7 +385,8 @@ TEST(Render, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   EXPECT_EQ(sentence({.paths = -1}), "expected a whole number of 0 or more for \"paths\", got -1");
   EXPECT_EQ(sentence({.max_depth = 0}), "expected a whole number of 1 or more for \"max_depth\", got 0");
   EXPECT_EQ(sentence({.eye = {0, 0, -0.1}}), "expected a length of 0 m or more for z of \"eye\", got -100 mm");
-  EXPECT_EQ(sentence({.focus = 0}), "expected a plane in focus behind the panel or in front of it, got the panel's own, 0 m");
+  EXPECT_EQ(sentence({.focus = 0}),
+            "expected a plane in focus behind the panel or in front of it, got the panel's own, 0 m");
   EXPECT_EQ(sentence({.lens = Lens::round, .pupil = 0}), "expected a length above 0 m for \"pupil\", got 0 m");
   EXPECT_EQ(sentence({.clamp = -1}), "expected a number of 0 or more for \"clamp\", got -1");
   EXPECT_EQ(sentence({.field_of_view = -0.1}).substr(0, 64),

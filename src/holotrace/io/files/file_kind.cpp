@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
 
@@ -13,7 +14,10 @@ namespace {
 
 using namespace std::string_view_literals;
 
+// None of what is no file on a disk: to read from a pipe would wait for its writer.
 std::string first_bytes(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return "";
   std::string bytes(4096, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), std::streamsize(bytes.size()));
