@@ -180,12 +180,12 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_light_field(light_field);
   check_wavelength(wavelength);
   check_grid(grid);
+  check_range(pupil.diameter, range::positive, Quantity::length, " for the pupil's diameter");
+  check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(
       std::isfinite(distance) && distance != 0 && distance + light_field.lens_z != 0 && distance + pupil.centre.z > 0,
       "expected the plane of the picture beside panel and lens, and behind the pupil, got one at {}",
       format_length(distance));
-  check_range(pupil.diameter, range::positive, Quantity::length, " for the pupil's diameter");
-  check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
 
   require(pupil.centre.z >= light_field.lens_z,
