@@ -50,6 +50,44 @@ TEST(OtherFormats, ColladaHasItsColourAndThePlaceOfItsNode) {
   EXPECT_EQ(std::get<DiffuseMaterial>(surface).reflectance, (Vec3{1, 0.5, 0.25}));
 }
 
+constexpr const char* instance =
+    R"(<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s" target="#m"/>
+</technique_common></bind_material></instance_geometry>)";
+
+TEST(OtherFormats, TransparencyIsNamed) {
+  std::string text = collada(std::string("<node>") + instance + "</node>");
+  const auto warnings = [](const std::string& t) { return load_meshes(make_file("m.dae", t)).warnings; };
+  EXPECT_TRUE(warnings(text).empty());
+  const std::string end = "</diffuse>";
+  text.insert(
+      text.find(end) + end.size(),
+      "<transparent opaque=\"A_ONE\"><color>1 1 1 1</color></transparent><transparency><float>0.5</float></transparency>");
+  ASSERT_EQ(warnings(text).size(), 1u);
+  EXPECT_NE(warnings(text)[0].find("is transparent; it is shown opaque"), std::string::npos) << warnings(text)[0];
+}
+
+// A triangle bound to a joint, whose inverse bind matrix moves it by −5: p' = (joint)·(inverse bind)·p. The node that shows
+// it is moved, which does not count.
+TEST(OtherFormats, SkinsAtRestArePlacedByTheirJoints) {
+  std::string text = collada(R"(<node id="joint" sid="j" type="JOINT"><translate>5 0 2</translate></node>
+<node><translate>100 0 0</translate><instance_controller url="#c"><skeleton>#joint</skeleton></instance_controller></node>)");
+  const std::string scenes = "<library_visual_scenes>";
+  text.insert(text.find(scenes), R"(<library_controllers><controller id="c"><skin source="#g">
+<source id="cj"><Name_array id="cja" count="1">j</Name_array><technique_common><accessor source="#cja" count="1" stride="1">
+<param name="JOINT" type="name"/></accessor></technique_common></source>
+<source id="cb"><float_array id="cba" count="16">1 0 0 -5 0 1 0 0 0 0 1 0 0 0 0 1</float_array><technique_common>
+<accessor source="#cba" count="1" stride="16"><param name="TRANSFORM" type="float4x4"/></accessor></technique_common></source>
+<source id="cw"><float_array id="cwa" count="1">1</float_array><technique_common><accessor source="#cwa" count="1" stride="1">
+<param name="WEIGHT" type="float"/></accessor></technique_common></source>
+<joints><input semantic="JOINT" source="#cj"/><input semantic="INV_BIND_MATRIX" source="#cb"/></joints>
+<vertex_weights count="3"><input semantic="JOINT" source="#cj" offset="0"/><input semantic="WEIGHT" source="#cw" offset="1"/>
+<vcount>1 1 1</vcount><v>0 0 0 0 0 0</v></vertex_weights></skin></controller></library_controllers>)");
+  const LoadedModel model = load_meshes(make_file("m.dae", text));
+  ASSERT_EQ(model.meshes.size(), 1u);
+  EXPECT_EQ(area(model), 1);
+  EXPECT_EQ(model.meshes[0].positions[0], (Vec3{0, 0, 2}));
+}
+
 TEST(OtherFormats, DamageIsAnErrorThatNamesTheFile) {
   for (const char* name : {"m.off", "m.stl", "m.dae", "m.3ds", "m.fbx"})
     for (const std::string& bytes : {std::string(), std::string("OFF\n3 1 0\n0 0 0\n"), std::string(300, '\xff')}) {
