@@ -40,7 +40,7 @@ const Material& material(const LoadedModel& model, size_t mesh = 0) {
   return model.materials[size_t(model.meshes[mesh].material)];
 }
 
-const DiffuseMaterial& diffuse(const LoadedModel& model, size_t mesh = 0) {
+const DiffuseMaterial& diffuse_of(const LoadedModel& model, size_t mesh = 0) {
   return std::get<DiffuseMaterial>(material(model, mesh).surface);
 }
 
@@ -83,7 +83,7 @@ TEST(FilesOfOthers, ObjWithAMarkLoneReturnsAndCommentsIsTheSame) {
     const LoadedModel model = obj(bytes, materials);
     ASSERT_EQ(model.meshes.size(), 1u);
     EXPECT_EQ(area(model), 0.5);
-    EXPECT_EQ(diffuse(model).reflectance, (Vec3{1, 0, 0}));
+    EXPECT_EQ(diffuse_of(model).reflectance, (Vec3{1, 0, 0}));
     EXPECT_TRUE(model.meshes[0].colours.empty());
     EXPECT_TRUE(model.warnings.empty());
   }
@@ -130,7 +130,7 @@ TEST(FilesOfOthers, NamesOfTexturesMayBeginWithNumbersAndHoldSigns) {
     picture(name, {1, 0});
     const LoadedModel model = obj(std::string("mtllib m.mtl\n") + square + "usemtl a\n" + face,
                                   std::string("newmtl a\nmap_Kd -s 2 2 2 ") + name + " # note\n");
-    EXPECT_TRUE(diffuse(model).texture) << name;
+    EXPECT_TRUE(diffuse_of(model).texture) << name;
     EXPECT_EQ(model.meshes[0].texture_coordinates[2], (Vec2{2, 2})) << name;
   }
 }
@@ -139,8 +139,8 @@ TEST(FilesOfOthers, MaterialsMayBeNamedBeforeTheirFile) {
   const std::string materials = "newmtl a\nKd 1 0 0\nnewmtl my b\nKd 0 1 0\n";
   const LoadedModel model =
       obj(std::string("usemtl a\n") + square + face + "usemtl my b\n" + face + "mtllib m.mtl\n", materials);
-  EXPECT_EQ(diffuse(model, 0).reflectance, (Vec3{1, 0, 0}));
-  EXPECT_EQ(diffuse(model, 1).reflectance, (Vec3{0, 1, 0}));
+  EXPECT_EQ(diffuse_of(model, 0).reflectance, (Vec3{1, 0, 0}));
+  EXPECT_EQ(diffuse_of(model, 1).reflectance, (Vec3{0, 1, 0}));
   EXPECT_TRUE(model.warnings.empty());
   const LoadedModel unknown = obj(std::string("mtllib m.mtl\nusemtl c\n") + square + face, materials);
   EXPECT_TRUE(has_warning(unknown, "the material \"c\" is in none of its files of materials"));
@@ -220,7 +220,7 @@ TEST(FilesOfOthers, ColoursOfObjMayBeBytesAndOfSomeVertices) {
   ASSERT_EQ(bytes.meshes[0].colours.size(), 3u);
   EXPECT_EQ(bytes.meshes[0].colours[0], (Vec3{1, 0, 0}));
   EXPECT_EQ(bytes.meshes[0].colours[2], (Vec3{1, 1, 1} * srgb_decode(128 / 255.)));
-  EXPECT_EQ(diffuse(bytes).reflectance, (Vec3{1, 1, 1}));  // the colours are all there is
+  EXPECT_EQ(diffuse_of(bytes).reflectance, (Vec3{1, 1, 1}));  // the colours are all there is
   const std::string some = "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const LoadedModel plain = obj(some);
   ASSERT_EQ(plain.meshes[0].colours.size(), 3u);
@@ -228,7 +228,7 @@ TEST(FilesOfOthers, ColoursOfObjMayBeBytesAndOfSomeVertices) {
   EXPECT_EQ(plain.meshes[0].colours[1], DiffuseMaterial{}.reflectance);  // as without colours
   const LoadedModel red = obj("mtllib m.mtl\nusemtl a\n" + some, "newmtl a\nKd 1 0.5 0.5\n");
   EXPECT_EQ(red.meshes[0].colours[1], (Vec3{1, 1, 1}));  // Kd is its colour
-  EXPECT_EQ(diffuse(red).reflectance, (Vec3{1, 0.5, 0.5}));
+  EXPECT_EQ(diffuse_of(red).reflectance, (Vec3{1, 0.5, 0.5}));
   const LoadedModel two =
       obj("o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 0 0 1 0\nv 1 0 0 0 1 0\nv 0 1 0 0 1 0\nf 4 5 6\n");
   EXPECT_TRUE(two.meshes[0].colours.empty());
@@ -296,8 +296,8 @@ TEST(FilesOfOthers, TexturesOfPlyAreShown) {
   const LoadedModel vertex = load_meshes(ply("property float s\nproperty float t\n", "",
                                              {"0 0 0 0 0", "1 0 0 0.5 0", "1 1 0 0.5 1", "0 1 0 0 1"}, {"4 0 1 2 3"},
                                              "comment TextureFile my tex.png\n"));
-  ASSERT_TRUE(diffuse(vertex).texture);
-  EXPECT_EQ(diffuse(vertex).reflectance, (Vec3{1, 1, 1}));
+  ASSERT_TRUE(diffuse_of(vertex).texture);
+  EXPECT_EQ(diffuse_of(vertex).reflectance, (Vec3{1, 1, 1}));
   EXPECT_EQ(vertex.meshes[0].texture_coordinates[2], (Vec2{0.5, 1}));
   EXPECT_TRUE(vertex.warnings.empty());
   // Of each corner: two faces that meet at an edge with other coordinates there.
@@ -306,7 +306,7 @@ TEST(FilesOfOthers, TexturesOfPlyAreShown) {
           {"0 0 0 9 9 9", "1 0 0 9 9 9", "1 1 0 9 9 9", "0 1 0 9 9 9"},
           {"3 0 1 2 6 0 0 0.5 0 0.5 1", "3 0 2 3 6 0.25 0 1 1 0 1"}, "comment TextureFile my tex.png\n"));
   const Mesh& mesh = corner.meshes[0];
-  ASSERT_TRUE(diffuse(corner).texture);
+  ASSERT_TRUE(diffuse_of(corner).texture);
   EXPECT_TRUE(mesh.colours.empty());  // they repeat what the texture shows
   ASSERT_EQ(mesh.triangles.size(), 2u);
   EXPECT_EQ(mesh.texture_coordinates[mesh.triangles[0][2]], (Vec2{0.5, 1}));
@@ -318,8 +318,8 @@ TEST(FilesOfOthers, TexturesOfPlyAreShown) {
                                           {"3 0 1 2 6 0 0 1 0 1 1 0", "3 0 2 3 6 0 0 1 1 0 1 1"},
                                           "comment TextureFile my tex.png\ncomment TextureFile b.png\n"));
   ASSERT_EQ(two.meshes.size(), 2u);
-  EXPECT_EQ(diffuse(two, 0).texture->nx, 2);
-  EXPECT_EQ(diffuse(two, 1).texture->nx, 1);
+  EXPECT_EQ(diffuse_of(two, 0).texture->nx, 2);
+  EXPECT_EQ(diffuse_of(two, 1).texture->nx, 1);
   EXPECT_EQ(area(two), 1);
   const LoadedModel lost = load_meshes(ply("", "", places, {"4 0 1 2 3"}, "comment TextureFile none.png\n"));
   EXPECT_TRUE(has_warning(lost, "the texture none.png is missing"));

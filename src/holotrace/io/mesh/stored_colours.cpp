@@ -13,7 +13,7 @@
 namespace holotrace {
 namespace {
 
-using Columns = std::array<const std::vector<double>*, 3>;
+using ColourColumns = std::array<const std::vector<double>*, 3>;
 
 constexpr std::array<std::array<const char*, 3>, 6> names_of_colours{{{"red", "green", "blue"},
                                                                       {"diffuse_red", "diffuse_green", "diffuse_blue"},
@@ -55,7 +55,7 @@ std::vector<Vec3> linear_colours(const StoredColours& colours) {
 StoredColours ply_colours(const PlyColumns& vertices, std::vector<std::string>& warnings) {
   StoredColours colours;
   for (const auto& names : names_of_colours) {
-    const Columns of{vertices.find(names[0]), vertices.find(names[1]), vertices.find(names[2])};
+    const ColourColumns of{vertices.find(names[0]), vertices.find(names[1]), vertices.find(names[2])};
     if (!of[0] || !of[1] || !of[2]) continue;
     for (size_t i = 0; i < vertices.count; ++i) colours.values.push_back({(*of[0])[i], (*of[1])[i], (*of[2])[i]});
     if (names[0] == std::string_view("f_dc_0")) {
