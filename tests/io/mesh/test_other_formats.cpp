@@ -73,6 +73,7 @@ TEST(OtherFormats, SkinsAtRestArePlacedByTheirJoints) {
 <node><translate>100 0 0</translate><instance_controller url="#c"><skeleton>#joint</skeleton></instance_controller></node>)");
   const std::string scenes = "<library_visual_scenes>";
   text.insert(text.find(scenes), R"(<library_controllers><controller id="c"><skin source="#g">
+<bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix>
 <source id="cj"><Name_array id="cja" count="1">j</Name_array><technique_common><accessor source="#cja" count="1" stride="1">
 <param name="JOINT" type="name"/></accessor></technique_common></source>
 <source id="cb"><float_array id="cba" count="16">1 0 0 -5 0 1 0 0 0 0 1 0 0 0 0 1</float_array><technique_common>
@@ -86,6 +87,9 @@ TEST(OtherFormats, SkinsAtRestArePlacedByTheirJoints) {
   ASSERT_EQ(model.meshes.size(), 1u);
   EXPECT_EQ(area(model), 1);
   EXPECT_EQ(model.meshes[0].positions[0], (Vec3{0, 0, 2}));
+  // Assimp takes a matrix that is left out as 0, which would shrink the mesh to a point: then its node places it.
+  const size_t begin = text.find("<bind_shape_matrix>"), end = text.find("<source id=\"cj\">");
+  EXPECT_EQ(load_meshes(make_file("m.dae", text.erase(begin, end - begin))).meshes[0].positions[0], (Vec3{100, 0, 0}));
 }
 
 TEST(OtherFormats, DamageIsAnErrorThatNamesTheFile) {

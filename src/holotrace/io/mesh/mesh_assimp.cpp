@@ -96,7 +96,7 @@ Frame place_of(const aiNode* node) {
   return to_frame(place);
 }
 
-// How the joints of a skin at rest move each of its vertices; empty without joints.
+// How the joints of a skin at rest move each of its vertices; empty without usable joints.
 std::vector<Frame> frames_of_skin(const aiMesh& mesh, const aiScene& scene) {
   std::vector<Frame> frames;
   std::vector<WeightedFrame> moves(mesh.mNumBones > 0 ? mesh.mNumVertices : 0);
@@ -104,7 +104,8 @@ std::vector<Frame> frames_of_skin(const aiMesh& mesh, const aiScene& scene) {
     const aiBone& bone = *mesh.mBones[b];
     const aiNode* joint = scene.mRootNode->FindNode(bone.mName);
     if (!joint) return {};
-    const Frame move = compose(place_of(joint), to_frame(bone.mOffsetMatrix));
+    const Frame bind = to_frame(bone.mOffsetMatrix), move = compose(place_of(joint), bind);
+    if (determinant(bind) == 0) return {};  // of a COLLADA file without a bind shape matrix
     for (unsigned w = 0; w < bone.mNumWeights; ++w)
       moves.at(bone.mWeights[w].mVertexId).add(move, bone.mWeights[w].mWeight);
   }
