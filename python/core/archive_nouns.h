@@ -63,8 +63,8 @@ void members(Archive& archive, SlmEffects& noun) {
 
 template <class Archive>
 void members(Archive& archive, Slm& noun) {
-  auto& [name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source] = noun;
-  archive(name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source);
+  auto& [name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source, own] = noun;
+  archive(name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source, own);
 }
 
 template <class Archive>

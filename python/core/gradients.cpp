@@ -103,7 +103,7 @@ class Panel {
     require(slm.modulation != Modulation::complex, "expected a panel of phase or amplitude for gradients, got complex");
     const double colour = params.wavelength > 0 ? params.wavelength : to_wavelength(wavelength);
     const double design = slm.design_wavelength > 0 ? slm.design_wavelength : to_wavelength(wavelength);
-    model_.emplace(with_effects(slm, params.effects), params, slm.modulation, slm.levels, design,
+    model_.emplace(with_effects_or_own(slm, params.effects), params, slm.modulation, slm.levels, design,
                    IlluminationState{colour, params.tilt_x, params.tilt_y});
   }
 

@@ -168,12 +168,15 @@ TEST(SlmChain, TheProgramShowsAPanelsEffects) {
     EXPECT_EQ(stage["effects_off"], "calibration, gaps, flicker, aberration");
   }
   EXPECT_TRUE(is_told);
-  // The sidecar has the panel and its effects, which can be named there, too.
+  // The hologram has the panel and its effects, and knows which are its own. They are shown unless none are wanted.
   const Outcome with = here.run({"show", "out/hologram.png", "-o", "with.exr", "--effects", "crosstalk"});
   ASSERT_EQ(with.exit_code, 0) << with.err;
-  const Outcome without = here.run({"show", "out/hologram.png", "-o", "without.exr"});
+  const Outcome own = here.run({"show", "out/hologram.png", "-o", "own.exr"});
+  ASSERT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_TRUE(here.read("with.exr") == here.read("own.exr"));
+  const Outcome without = here.run({"show", "out/hologram.png", "-o", "without.exr", "--effects", "none"});
   ASSERT_EQ(without.exit_code, 0) << without.err;
-  EXPECT_NE(here.read("with.exr"), here.read("without.exr"));
+  EXPECT_FALSE(here.read("with.exr") == here.read("without.exr"));
 
   const Outcome wrong = here.run({"show", "out/hologram.png", "-o", "x.png", "--effects", "crostalk"});
   EXPECT_EQ(wrong.exit_code, 1);

@@ -133,6 +133,7 @@ PanelFit measured_panel(const CalibrationBench& bench, const Slm& assumed, const
     fit.aberration.push_back({term.n, term.m, {u.aberration[k], errors.of(UnknownKind::aberration, k)}});
   }
   effects.light_map = light_map_of(basis, u);
+  fit.slm.own_effects = effects_of(fit.slm);
   if (effects.light_map) {
     const auto [least, most] = std::minmax_element(effects.light_map->values.begin(), effects.light_map->values.end());
     fit.least_light = *least;

@@ -46,6 +46,10 @@ Slm with_effects(const Slm& slm, const std::vector<std::string>& names) {
   return out;
 }
 
+Slm with_effects_or_own(const Slm& slm, const std::vector<std::string>& names) {
+  return with_effects(slm, names.empty() ? slm.own_effects : names);
+}
+
 std::vector<std::string> effects_of(const Slm& slm) {
   const SlmEffects& e = slm.effects;
   std::vector<std::string> names;

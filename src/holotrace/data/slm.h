@@ -60,6 +60,8 @@ struct Slm {
   SlmEffects effects{};
   std::string preset{};  ///< preset or file that it was read from (io/scene/slm_file.h); "": none
   std::string source{};  ///< origin of its figures, as a text
+  /// Effects that its own file or table states, in the place of those of a preset: the ones in use where none are named.
+  std::vector<std::string> own_effects{};
 
   double lit_x() const { return fill_x > 0 ? fill_x : std::sqrt(fill_factor); }
   double lit_y() const { return fill_y > 0 ? fill_y : std::sqrt(fill_factor); }
@@ -75,6 +77,10 @@ std::vector<std::string> slm_effect_names();
 /// The panel with only the named effects on; "all": all of them.
 /// @throws Error for an unknown name, suggesting the nearest.
 Slm with_effects(const Slm& slm, const std::vector<std::string>& names);
+
+/// The panel with the named effects on; if none are named, with its own.
+/// @throws Error  as with_effects does
+Slm with_effects_or_own(const Slm& slm, const std::vector<std::string>& names);
 
 /// The names of the effects of a panel that are on.
 std::vector<std::string> effects_of(const Slm& slm);

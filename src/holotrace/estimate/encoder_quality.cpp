@@ -22,7 +22,7 @@ EncoderQuality encoder_quality(const TargetPlane& target, const Hologram& hologr
   // The irradiance of all illumination states; a panel with flicker has several.
   std::vector<double> irradiance(target.amplitude.size());
   for (const IlluminationState& state :
-       illumination_states(with_effects(slm, params.effects), params, hologram.wavelength)) {
+       illumination_states(with_effects_or_own(slm, params.effects), params, hologram.wavelength)) {
     Field light = show(hologram, slm, params, state);
     const PropagateParams window = window_of(light.grid, samples, rim);
     if (light.filter) light = apply_order_stop(light, *light.filter, order_stop_margin(*light.filter, light.grid));

@@ -8,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/target_planes.h"
+#include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
@@ -184,7 +185,7 @@ EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<H
   const double aside = (lit.width + diameter) / 2;  // of the middle of a pupil that touches the lit area
   const double across = aside + diameter / 2, down = lit.height / 2;
   const Grid window = pupil_window_grid(job.slm.grid, {{eye.x - across, eye.y - down}, {eye.x + across, eye.y + down}});
-  const DrivenPanel panel(with_effects(job.slm, job.encode.effects), frames.front(), wavelength, 1);
+  const DrivenPanel panel(known_panel(job.slm, job.encode), frames.front(), wavelength, 1);
   const PupilPropagation way(job.slm, wavelength, window, eye.z, optics_of(panel, order));
   EyeboxLight light;
   double all = 0;

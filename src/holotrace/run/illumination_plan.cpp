@@ -58,7 +58,7 @@ int steps_of_spectrum(const Slm& slm, const ShowParams& params, double wavelengt
 IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, double wavelength, ImageSide image,
                                    const std::vector<Viewpoint>& from, const std::optional<SpectralFilter>& filter) {
   check_ranges(params);
-  const Slm with = with_effects(slm, params.effects);
+  const Slm with = with_effects_or_own(slm, params.effects);
   const bool has_flicker = with.effects.flicker > 0;
   IlluminationPlan plan;
   const auto need = [&](int count, const std::string& why) {

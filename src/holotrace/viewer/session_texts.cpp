@@ -99,7 +99,8 @@ std::string Session::describe() {
              {"frame", h.frame},
              {"encoder", h.encoder},
              {"image", h.image == ImageSide::real_image ? "real" : "virtual"},
-             {"effects", item.field ? std::vector<std::string>() : effects_of(item.slm)}};
+             {"effects", item.field ? std::vector<std::string>() : effects_of(item.slm)},
+             {"own_effects", item.field ? std::vector<std::string>() : item.slm.own_effects}};
     items.push_back(one);
   }
   json["items"] = items;

@@ -181,16 +181,48 @@ TEST(SlmFile, EffectsOfTheSceneItselfAreOn) {
   const std::string body =
       "wavelength = \"532 nm\"\n[[object]]\ntype = \"wireframe_cube\"\nsize = \"1 mm\"\nposition = \"0 0 -100 mm\"\n";
   const auto job_of = [&](const std::string& rest) { return load_job(test::make_file("effects.toml", body + rest)); };
-  EXPECT_TRUE(job_of("").show.effects.empty());  // effects of the preset are off until they are named
+  EXPECT_TRUE(job_of("").slm.own_effects.empty());  // effects of the preset are off until they are named
   test::make_file("ramp.csv", "level,phase_pi\n0,0\n255,2\n");
   const Job own = job_of("[slm]\ncrosstalk = 0.3\ncalibration = \"ramp.csv\"\n");
-  EXPECT_EQ(own.show.effects, (std::vector<std::string>{"calibration", "crosstalk"}));
-  EXPECT_EQ(own.encode.effects, (std::vector<std::string>{"calibration"}));
+  EXPECT_EQ(own.slm.own_effects, (std::vector<std::string>{"calibration", "crosstalk"}));
   EXPECT_DOUBLE_EQ(own.slm.effects.calibration[255].phase, 2 * pi);
   EXPECT_EQ(effects_of(own.slm).size(), 5u);  // pluto's other effects are included, but off
-  EXPECT_TRUE(job_of("[slm]\ncrosstalk = 0\n").show.effects.empty());
+  EXPECT_TRUE(job_of("[slm]\ncrosstalk = 0\n").slm.own_effects.empty());
   const Job told = job_of("[slm]\ncrosstalk = 0.3\n[show]\neffects = \"gaps\"\n");
   EXPECT_EQ(told.show.effects, (std::vector<std::string>{"gaps"}));
+}
+
+TEST(SlmFile, APanelFileHasItsOwnEffects) {
+  const std::string folder = fresh_folder("own");
+  file_in(folder, "ramp.csv", "level,phase_pi\n0,0\n15,1.9\n");
+  file_in(folder, "mine.toml", "columns = 8\nrows = 4\npitch = \"8 um\"\nlevels = 16\ncalibration = \"ramp.csv\"\n");
+  EXPECT_EQ(load_slm(folder + "/mine.toml").own_effects, (std::vector<std::string>{"calibration"}));
+  EXPECT_TRUE(load_slm("pluto").own_effects.empty());  // typical figures
+  // A scene, or another panel, that takes the file as its preset: beside it, with changes.
+  const std::string scene =
+      file_in(folder, "scene.toml",
+              "wavelength = \"532 nm\"\n[slm]\npreset = \"mine.toml\"\ncrosstalk = 0.2\n[[object]]\ntype = "
+              "\"wireframe_cube\"\nsize = \"1 mm\"\nposition = \"0 0 -100 mm\"\n");
+  const Job job = load_job(scene);
+  EXPECT_EQ(job.slm.grid.nx, 8);
+  EXPECT_EQ(job.slm.own_effects, (std::vector<std::string>{"calibration", "crosstalk"}));
+  ASSERT_EQ(job.slm.effects.calibration.size(), 16u);
+  file_in(folder, "a.toml", "preset = \"./b.toml\"\n");
+  file_in(folder, "b.toml", "preset = \"././a.toml\"\n");
+  EXPECT_NE(error_of([&] { load_slm(folder + "/a.toml"); }).find("expected a panel that does not extend itself"),
+            std::string::npos);
+}
+
+TEST(SlmFile, PixelsThatAreNotSquareAreRefusedByName) {
+  const auto panel = [](const std::string& pitch) {
+    return test::make_file("pitch.toml", "columns = 8\nrows = 4\nlevels = 16\n" + pitch);
+  };
+  EXPECT_EQ(load_slm(panel("pitch_x = \"7.6 um\"\npitch_y = \"7.6 um\"\n")).grid.pitch, 7.6e-6);
+  const auto error = [&](const std::string& pitch) { return error_of([&] { load_slm(panel(pitch)); }); };
+  EXPECT_NE(
+      error("pitch_x = \"7.6 um\"\npitch_y = \"10.8 um\"\n").find("expected square pixels, got 7.6 µm in x and 10.8"),
+      std::string::npos);
+  EXPECT_NE(error("pitch_x = \"7.6 um\"\n").find("expected pitch_x and pitch_y together"), std::string::npos);
 }
 
 // A panel with every effect, all with values other than those of the panel file.

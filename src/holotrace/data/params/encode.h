@@ -133,7 +133,8 @@ struct EncodeParams {
   StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
   int64_t seed = 1;                         ///< seed for random start phases
   DeviceChoice device{};                    ///< device that computes the hologram; sgd: or all at once
-  std::vector<std::string> effects{};       ///< effects of the panel that the levels compensate; or "all"
+  std::vector<std::string>
+      effects{};  ///< effects of the panel that the levels compensate; or "all"; none named: its own
 };
 
 template <class Visitor>
@@ -220,10 +221,9 @@ void describe(Visitor& v, EncodeParams& p) {
       "(cpu); the first OpenCL device (opencl) or device N of \"holotrace info --devices\" (opencl:N), in single "
       "precision; for sgd all OpenCL devices of the same model as the first one (opencl:all), which share its frames; or "
       "the one that is expected to be faster (auto)");
-  v.texts(
-      "effects", p.effects,
-      "panel effects that the encoding compensates: calibration; with sgd also crosstalk, gaps, aberration, phase-map, "
-      "light-map, dead-pixels; or all");
+  v.texts("effects", p.effects,
+          "panel effects that the encoding compensates: calibration, aberration, phase-map, light-map; with sgd also "
+          "crosstalk, gaps, dead-pixels; all; or none; empty: the first four, as far as the panel's own file has them");
 }
 
 /// The eyes of an encoding. @throws Error  unless there are three lengths for each, and z is above 0

@@ -27,7 +27,7 @@ struct ShowParams {
   double source_angle = 0;        ///< full angle of the source, a disc, as seen from the panel [rad]
   int illumination_states =
       0;  ///< states of partly coherent light and flicker to average; 0: as many as the views need
-  std::vector<std::string> effects{};  ///< effects of the panel that are modelled; or "all"
+  std::vector<std::string> effects{};  ///< effects of the panel that are modelled; or "all"; none named: its own
   DeviceChoice device{};               ///< device that computes the light that leaves the panel
 };
 
@@ -57,7 +57,7 @@ void describe(Visitor& v, ShowParams& p) {
           "number of states of partly coherent light and flicker to average; 0: as many as the views need");
   v.texts("effects", p.effects,
           "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, "
-          "light-map, dead-pixels; all; or none");
+          "light-map, dead-pixels; all; or none; empty: those that the panel's own file has");
   v.device(
       "device", p.device,
       "device that computes the light that leaves the panel (holotrace show: and propagates it): the processor (cpu); "

@@ -76,6 +76,7 @@ Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& pa
     slm.effects.phase_map = load_map(phase_map_path(path), "the phase map of a hologram's panel");
   if (json.contains("light_map"))
     slm.effects.light_map = load_map(light_map_path(path), "the light map of a hologram's panel");
+  if (json.contains("own_effects")) slm.own_effects = metadata_texts(json, sidecar, "own_effects");
   try {
     check_slm(slm);
   } catch (const Error& error) {
@@ -114,6 +115,7 @@ nlohmann::ordered_json to_json(const Slm& slm) {
   if (!slm.preset.empty()) json["panel"] = slm.preset;
   if (!slm.source.empty()) json["source"] = slm.source;
   if (nlohmann::ordered_json effects = effects_to_json(slm.effects); !effects.empty()) json["effects"] = effects;
+  if (!slm.own_effects.empty()) json["own_effects"] = slm.own_effects;
   return json;
 }
 

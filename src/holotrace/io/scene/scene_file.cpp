@@ -52,17 +52,6 @@ std::vector<double> read_wavelengths(TomlTable& root) {
   return wavelengths;
 }
 
-// Turns on the effects that the scene's own [slm] defines, unless [show] and [encode] have the key `effects`.
-void turn_on(const std::vector<std::string>& own, TomlTable& root, Job& job) {
-  const auto says_nothing = [&](const char* section) {
-    const auto table = root.table(section);
-    return !table || !table->has("effects");
-  };
-  if (says_nothing("show")) job.show.effects = own;
-  const bool has_calibration = std::find(own.begin(), own.end(), "calibration") != own.end();
-  if (has_calibration && says_nothing("encode")) job.encode.effects = {"calibration"};
-}
-
 Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   Job job;
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
@@ -73,10 +62,10 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
 
   job.wavelengths = read_wavelengths(root);
   root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
-  std::vector<std::string> own_effects;
   const auto slm = root.table("slm", "preset = \"pluto\"");
-  job.slm = slm ? read_slm(*slm, "pluto", own_effects) : slm_preset("pluto");
-  if (!own_effects.empty()) job.slm.preset = path;  // a panel with effects of its own is read from this file again
+  job.slm = slm ? read_slm(*slm, "pluto") : slm_preset("pluto");
+  if (!job.slm.own_effects.empty())
+    job.slm.preset = path;  // a panel with effects of its own is read from this file again
 
   SceneObjects objects(job, outside);
   std::vector<std::string> names;
@@ -99,7 +88,6 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   read_params(root, "camera", job.camera);
   const auto camera = root.table("camera");
   job.are_distances_given = camera && camera->has("distances");
-  turn_on(own_effects, root, job);
   check_path_expressions(root, "trace", job.trace.path_expressions);
   check_path_expressions(root, "render", job.render.path_expressions);
   root.locate("", [&] { check_scene(job.scene); });
@@ -167,14 +155,14 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files,
 
 Slm load_slm(const std::string& name) {
   if (extension_of(name) != ".toml") return slm_preset(name);
-  std::vector<std::string> files, own_effects, unheard;  // `unheard` has warnings about other tables than [slm]
+  std::vector<std::string> files, unheard;  // `unheard` has warnings about other tables than [slm]
   const toml::table parsed = read_scene(name, files, unheard);
   const bool is_panel = !parsed.contains("wavelength") && !parsed.contains("slm");
   TomlTable root(parsed, files, is_panel ? "the panel file" : "the scene file");
   const auto table = is_panel ? std::optional(root) : root.table("slm");
-  Slm slm = table ? read_slm(*table, is_panel ? "" : "pluto", own_effects) : slm_preset("pluto");
+  Slm slm = table ? read_slm(*table, is_panel ? "" : "pluto") : slm_preset("pluto");
   if (is_panel && !root.has("name")) slm.name = std::filesystem::path(name).stem().string();
-  if (is_panel || !own_effects.empty()) slm.preset = name;
+  if (is_panel || !slm.own_effects.empty()) slm.preset = name;
   return slm;
 }
 
@@ -184,8 +172,7 @@ Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside 
 }
 
 Slm slm_of_table(const toml::table& table) {
-  std::vector<std::string> own_effects;
-  return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "", own_effects);
+  return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "");
 }
 
 Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm) {

@@ -12,6 +12,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/units.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/toml_file.h"
 
@@ -84,7 +85,7 @@ std::shared_ptr<const Array2D<float>> load_map(const std::string& path, double r
 }
 
 // Reads the effects that the table itself defines, over those of the preset.
-void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<std::string>& names) {
+void read_effects(TomlTable& table, Slm& slm, bool has_new_levels) {
   SlmEffects& effects = slm.effects;
   const auto has_any = [&](std::initializer_list<const char*> keys) {
     return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return table.has(key); });
@@ -113,21 +114,38 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels, std::vector<s
   table.count("dead_seed", effects.dead_seed, range::not_negative);
   if (table.has("dead_pixels")) effects.dead_pixels = read_dead_pixels(table);
 
-  if (has_any({"calibration"})) names.push_back("calibration");
-  if (has_any({"crosstalk"})) names.push_back("crosstalk");
-  if (has_any({"gap_amplitude", "gap_phase"})) names.push_back("gaps");
-  if (has_any({"flicker"})) names.push_back("flicker");
-  if (has_any({"aberration"})) names.push_back("aberration");
-  if (has_any({"phase_map", "phase_map_range"})) names.push_back("phase-map");
-  if (has_any({"light_map"})) names.push_back("light-map");
-  if (has_any({"dead_fraction", "dead_seed", "dead_pixels"})) names.push_back("dead-pixels");
+  std::vector<std::string>& own = slm.own_effects;
+  const auto add_if = [&](bool is_here, const char* name) {
+    if (is_here && std::find(own.begin(), own.end(), name) == own.end()) own.push_back(name);
+  };
+  add_if(has_any({"calibration"}), "calibration");
+  add_if(has_any({"crosstalk"}), "crosstalk");
+  add_if(has_any({"gap_amplitude", "gap_phase"}), "gaps");
+  add_if(has_any({"flicker"}), "flicker");
+  add_if(has_any({"aberration"}), "aberration");
+  add_if(has_any({"phase_map", "phase_map_range"}), "phase-map");
+  add_if(has_any({"light_map"}), "light-map");
+  add_if(has_any({"dead_fraction", "dead_seed", "dead_pixels"}), "dead-pixels");
   const std::vector<std::string> on = effects_of(slm);  // a value of 0 turns an effect off
-  std::erase_if(names, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });
+  std::erase_if(own, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });
 }
 
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
+}
+
+// The folders for panels of the user's, present or not.
+std::vector<std::string> user_panel_folders() {
+  std::vector<std::string> folders;
+  const std::string own = environment("HOLOTRACE_PANELS"), settings = environment("XDG_CONFIG_HOME"),
+                    home = environment("HOME");
+  if (!own.empty()) folders.push_back(own);
+  if (!settings.empty())
+    folders.push_back(fs::path(settings) / "holotrace" / "panels");
+  else if (!home.empty())
+    folders.push_back(fs::path(home) / ".config" / "holotrace" / "panels");
+  return folders;
 }
 
 [[noreturn]] void fail_unknown(const std::string& name) {
@@ -152,35 +170,55 @@ std::string panel_file(const std::string& name) {
 
 namespace {
 
-Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain,
-              std::vector<std::string>& effects);
+Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain);
 
-// Loads a panel by name. `chain` has the panels that led here, each of which extends the next.
+// Loads a panel by name, or from a file NAME.toml. `chain` has the panels that led here, each of which extends the next.
 Slm load_panel(const std::string& name, std::vector<std::string> chain) {
   require(std::find(chain.begin(), chain.end(), name) == chain.end(),
           "expected a panel that does not extend itself, got \"{}\"", name);
   chain.push_back(name);
+  const bool is_file = extension_of(name) == ".toml";
   const bool is_plain = !name.empty() && name.find('/') == std::string::npos;
-  const std::string path = is_plain ? panel_file(name) : "";
+  const std::string path = is_file ? name : is_plain ? panel_file(name) : "";
   if (path.empty()) fail_unknown(name);
   const toml::table parsed = parse_toml(path, "a panel file");
-  std::vector<std::string> ignored;
-  Slm slm = read_over(TomlTable(parsed, {path}, "the panel"), "", chain, ignored);
-  if (!parsed.contains("name")) slm.name = name;
+  Slm slm = read_over(TomlTable(parsed, {path}, "the panel"), "", chain);
+  if (!parsed.contains("name")) slm.name = is_file ? fs::path(name).stem().string() : name;
   slm.preset = name;
+  const std::vector<std::string> of_user = user_panel_folders();
+  const auto has_it = [&](const std::string& folder) { return fs::path(folder) / (name + ".toml") == path; };
+  if (!is_file && std::none_of(of_user.begin(), of_user.end(), has_it)) slm.own_effects.clear();
   return slm;
 }
 
-Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain,
-              std::vector<std::string>& effects) {
+// The pitch of a panel whose file gives it along both axes.
+void read_pitch_of_axes(TomlTable& table, double& pitch) {
+  double x = 0, y = 0;
+  table.length("pitch_x", x, range::positive);
+  table.length("pitch_y", y, range::positive);
+  require((x > 0) == (y > 0), "{}expected pitch_x and pitch_y together, got one of them; give both, or \"pitch\"",
+          table.where(x > 0 ? "pitch_x" : "pitch_y"));
+  if (x == 0) return;
+  require(!table.has("pitch"), "{}expected either \"pitch\", or \"pitch_x\" and \"pitch_y\", got all of them",
+          table.where("pitch"));
+  require(x == y,
+          "{}expected square pixels, got {} in x and {} in y; pixels of two pitches are not supported: compute the "
+          "hologram at the smaller pitch, and resample its field to the panel's pixels before you encode it",
+          table.where("pitch_x"), format_length(x), format_length(y));
+  pitch = x;
+}
+
+Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain) {
   std::string base = preset;
   table.text("preset", base);
+  if (extension_of(base) == ".toml") base = fs::path(table.beside("preset", base)).lexically_normal().string();
   Slm slm;
   if (!base.empty()) table.locate("preset", [&] { slm = load_panel(base, chain); });
   const Slm standard = slm;
   table.count("columns", slm.grid.nx, range::at_least(1));
   table.count("rows", slm.grid.ny, range::at_least(1));
   table.length("pitch", slm.grid.pitch, range::positive);
+  read_pitch_of_axes(table, slm.grid.pitch);
   table.count("levels", slm.levels, range::from_to(2, 65536));
   table.number("fill_factor", slm.fill_factor, range::above_to(0, 1));
   if (table.has("fill_factor")) slm.fill_x = slm.fill_y = 0;
@@ -194,7 +232,7 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   if (!(slm.grid == standard.grid)) slm.name = "custom";
   table.text("name", slm.name);
   table.text("source", slm.source);
-  read_effects(table, slm, slm.levels != standard.levels, effects);
+  read_effects(table, slm, slm.levels != standard.levels);
   table.refuse_unknown_keys();
   table.locate("", [&] { check_slm(slm); });
   return slm;
@@ -203,14 +241,8 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
 }  // namespace
 
 std::vector<std::string> panel_folders() {
-  std::vector<fs::path> wanted;
-  const std::string own = environment("HOLOTRACE_PANELS"), settings = environment("XDG_CONFIG_HOME"),
-                    home = environment("HOME");
-  if (!own.empty()) wanted.emplace_back(own);
-  if (!settings.empty())
-    wanted.push_back(fs::path(settings) / "holotrace" / "panels");
-  else if (!home.empty())
-    wanted.push_back(fs::path(home) / ".config" / "holotrace" / "panels");
+  const std::vector<std::string> of_user = user_panel_folders();
+  std::vector<fs::path> wanted(of_user.begin(), of_user.end());
   std::error_code ignored;
   Dl_info library{};  // the program, or a shared library such as the module of the Python package
   if (dladdr(reinterpret_cast<const void*>(&slm_preset_names), &library) != 0 && library.dli_fname)
@@ -241,8 +273,6 @@ std::vector<std::string> slm_preset_names() {
 
 Slm slm_preset(const std::string& name) { return load_panel(name, {}); }
 
-Slm read_slm(TomlTable table, const std::string& preset, std::vector<std::string>& effects) {
-  return read_over(std::move(table), preset, {}, effects);
-}
+Slm read_slm(TomlTable table, const std::string& preset) { return read_over(std::move(table), preset, {}); }
 
 }  // namespace holotrace

@@ -18,16 +18,17 @@ std::vector<std::string> panel_folders();
 std::vector<std::string> slm_preset_names();
 
 /// Reads a panel by name, from the first folder that has NAME.toml, a file with the keys of a scene's [slm] table. Its
-/// effects are included and are turned on by name (with_effects).
+/// effects are included. Those of a panel that comes with the program are typical figures, which are used where they are
+/// named (with_effects); those of a panel in a folder of the user's are its own (Slm::own_effects).
 /// @throws Error for an unknown name, suggesting the nearest and listing all; with file:line:column for a file
 ///         that cannot be read
 Slm slm_preset(const std::string& name);
 
-/// Reads a table with the keys of [slm] (docs/explanation/slm.md); its keys replace those of a panel, one by one.
-/// @param preset  the panel to change, unless the table names one; "": none
-/// @param effects  receives the names of the effects that the table itself defines
+/// Reads a table with the keys of [slm] (docs/explanation/slm.md); its keys replace those of a panel, one by one. The
+/// effects that it defines, and those of a panel file that it changes, are the panel's own (Slm::own_effects).
+/// @param preset  the panel to change, by name or as a file, unless the table names one; "": none
 /// @throws Error   with file:line:column for invalid keys and values
-Slm read_slm(TomlTable table, const std::string& preset, std::vector<std::string>& effects);
+Slm read_slm(TomlTable table, const std::string& preset);
 
 /// Reads a calibration of `levels` levels from a CSV file: a line of headings, then one line per level, ascending.
 /// Columns: `level` (or `grey`, `gray`); `phase_rad` (or `phase`), `phase_pi` or `phase_deg`; and `amplitude`, 1 where

@@ -38,12 +38,16 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
 
 bool can_allow_for(const std::string& effect, const EncodeParams& params, const Slm& slm) {
   if (params.method == Encoding::sgd) return effect != "flicker";
-  return effect == "calibration" && modulation_of(params, slm) != Modulation::amplitude;
+  if (effect == "calibration") return modulation_of(params, slm) != Modulation::amplitude;
+  if (effect == "aberration" || effect == "phase-map") return params.method != Encoding::amplitude;
+  return effect == "light-map" && (params.method == Encoding::amplitude || params.method == Encoding::complex ||
+                                   params.method == Encoding::off_axis || params.method == Encoding::double_phase ||
+                                   params.method == Encoding::error_diffusion);
 }
 
-// The named effects of the panel that the levels compensate.
+// The effects of the panel that the levels compensate.
 std::vector<std::string> allowed_effects(const Slm& slm, const EncodeParams& params) {
-  std::vector<std::string> allowed = effects_of(with_effects(slm, params.effects));
+  std::vector<std::string> allowed = effects_of(known_panel(slm, params));
   std::erase_if(allowed, [&](const std::string& effect) { return !can_allow_for(effect, params, slm); });
   return allowed;
 }
@@ -83,6 +87,15 @@ Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
     default:
       return Modulation::phase;
   }
+}
+
+Slm known_panel(const Slm& slm, const EncodeParams& params) {
+  if (!params.effects.empty()) return with_effects(slm, params.effects);
+  std::vector<std::string> names = slm.own_effects;
+  std::erase_if(names, [](const std::string& name) {
+    return name != "calibration" && name != "aberration" && name != "phase-map" && name != "light-map";
+  });
+  return with_effects(slm, names);
 }
 
 void check_encode_params(const Slm& slm, const EncodeParams& params) {

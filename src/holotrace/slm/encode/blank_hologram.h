@@ -17,6 +17,10 @@ bool encodes_on_devices(Encoding method);
 /// What the pixels of a hologram modulate: what the method writes, which for sgd and binary is what the panel can do.
 Modulation modulation_of(const EncodeParams& params, const Slm& slm);
 
+/// The panel with the effects that the levels compensate: those that are named or, if none are, its own level table,
+/// wavefront errors and light.
+Slm known_panel(const Slm& slm, const EncodeParams& params);
+
 /// @throws Error  if a parameter is out of its range, an effect is unknown, or the panel has fewer levels
 void check_encode_params(const Slm& slm, const EncodeParams& params);
 

@@ -21,7 +21,7 @@ void write_double_phase_levels(Field& inside, bool is_conjugate, const PhaseLeve
     if (is_conjugate)
       for (size_t i = 0; i < nx; ++i) u[i] = std::conj(u[i]);
     double_phase_phasors(u, float(double_phase_kernel::chessboard_sign(0, int(j))), nx, u);
-    levels.levels_of(u, 1, nx, to.row(int(j)));
+    levels.levels_of_row(int(j), u, 1, nx, to.row(int(j)));
   });
 }
 

@@ -1,6 +1,11 @@
 #include "holotrace/slm/encode/encode.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,6 +25,7 @@
 #include "holotrace/slm/encode/phase_levels.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
+#include "holotrace/slm/panel/static_errors.h"
 #include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
@@ -53,18 +59,55 @@ bool writes_phases(Encoding method) {
   return method != Encoding::amplitude && method != Encoding::off_axis && method != Encoding::binary;
 }
 
-// A hologram of a field that was checked, and the levels of its panel.
+// Factors that a field takes before it is encoded, so that the panel shows it in the light on each pixel, √m, and for
+// methods that write fringes with its static phase errors: 1/√m, or exp(−iψ)/√m. Empty: all are 1. A pixel with less than
+// a tenth of the brightest pixel's light counts as if it had a tenth: few dark pixels must not darken all others.
+Array2D<std::complex<float>> factors_for_panel(const Slm& known, const EncodeParams& params, double wavelength) {
+  const auto is_any = [&](std::initializer_list<Encoding> methods) {
+    return std::find(methods.begin(), methods.end(), params.method) != methods.end();
+  };
+  Slm counted = known;
+  const bool writes_fringes = is_any({Encoding::off_axis, Encoding::binary});
+  if (!writes_fringes) {
+    counted.effects.aberration.clear();
+    counted.effects.phase_map = nullptr;
+  }
+  if (is_any({Encoding::phase, Encoding::binary})) counted.effects.light_map = nullptr;
+  const double stretch = known.design_wavelength > 0 ? known.design_wavelength / wavelength : 1;
+  Array2D<std::complex<float>> factors = static_phasors(counted, stretch);
+  float brightest = 0;
+  for (const std::complex<float>& factor : factors.values) brightest = std::max(brightest, std::norm(factor));
+  for (std::complex<float>& factor : factors.values)
+    factor = std::norm(factor) == 0
+                 ? std::complex<float>(1)
+                 : std::conj(factor) / std::abs(factor) / std::sqrt(std::max(std::norm(factor), 0.1F * brightest));
+  return factors;
+}
+
+// A hologram of a field that was checked, the levels of its panel, and the factors that its field takes.
 struct Begun {
   Hologram hologram;
   PhaseLevels levels;
+  Array2D<std::complex<float>> factors;
+
+  bool needs_processor(const EncodeParams& params) const {
+    return (levels.has_table() && writes_phases(params.method)) || factors.size() > 0;
+  }
 };
+
+// The field that is shown, U or its conjugate, times those factors.
+Field shown_field(const Field& field, const Array2D<std::complex<float>>& factors, bool is_conjugate) {
+  Field shown = is_conjugate ? conjugate(field) : field;
+  for (size_t i = 0; i < factors.size(); ++i) shown.samples.values[i] *= factors.values[i];
+  return shown;
+}
 
 Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   Hologram hologram = blank_hologram(head, slm, params, observer);
-  const Slm known = with_effects(slm, params.effects);
+  const Slm known = known_panel(slm, params);
   PhaseLevels levels(known, hologram.levels, head.wavelength);
   if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels.range(), head.wavelength, observer);
-  return {std::move(hologram), std::move(levels)};
+  return {std::move(hologram), std::move(levels), factors_for_panel(known, params, head.wavelength)};
 }
 
 // Levels of a DeviceField or BandedSamples; none if a sample is not finite, which the processor names.
@@ -130,7 +173,6 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
     return found;
   }
   check_encoding(slm, params, observer);
-  const bool is_conjugate = params.image == ImageSide::real_image;
   const auto finished = [&](Hologram hologram) {
     observer.fact("illumination", Fact(hologram.illumination));
     observer.progress(1);
@@ -138,13 +180,12 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   };
   check_head_to_show(head, slm, observer);
   Begun begun = begin_hologram(head, slm, params, observer);
-  const bool has_table = begun.levels.has_table() && writes_phases(params.method);
-  require(
-      !has_table || params.device.kind != DeviceKind::opencl,
-      "expected levels of even steps on an OpenCL device, got those of the calibration of \"{}\"; leave calibration "
-      "out of [encode] effects, or use the device cpu",
-      slm.name);
-  if (encodes_on_devices(params.method) && !has_table) {
+  const bool needs_processor = begun.needs_processor(params);
+  if (needs_processor && params.device.kind == DeviceKind::opencl)
+    observer.warn(fmt::format(
+        "the processor finds the levels, because those of the SLM \"{}\" have a calibration, or depend on the pixel",
+        slm.name));
+  if (encodes_on_devices(params.method) && !needs_processor) {
     Observer of_faults;  // the device is told if it has encoded
     of_faults.on_warning = observer.on_warning;
     auto there = on_chosen_device(
@@ -152,10 +193,15 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
         [&](Device& device) { return encode_on(device, field, begun, params, observer); });
     if (there && *there) return finished(std::move(**there));
   }
-  const auto here = field.on_processor(observer);
+  auto here = field.on_processor(observer);
   check_samples_to_show(*here, observer);
+  bool is_conjugate = params.image == ImageSide::real_image;
+  if (begun.factors.size() > 0 || (is_conjugate && params.method == Encoding::error_diffusion)) {
+    here = std::make_shared<const Field>(shown_field(*here, begun.factors, is_conjugate));
+    is_conjugate = false;
+  }
   if (params.method == Encoding::error_diffusion)
-    encode_error_diffusion(is_conjugate ? conjugate(*here) : *here, begun.levels, params, observer, begun.hologram);
+    encode_error_diffusion(*here, begun.levels, params, observer, begun.hologram);
   else
     encode_anywhere(ShownPixels<Field>{*here, modulus_moments(*here), is_conjugate}, params, begun.levels, observer,
                     begun.hologram);

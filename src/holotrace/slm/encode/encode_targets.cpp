@@ -55,7 +55,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
     frames.front().illumination = 0;
     return frames.front();
   }
-  const Slm known = with_effects(slm, params.effects);
+  const Slm known = known_panel(slm, params);
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
   if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
@@ -81,7 +81,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
           name_of(params.method, encoding_names));
   require(frames >= 1, "expected at least one frame, got {}", frames);
   std::vector<Hologram> holograms;
-  const Slm known = with_effects(slm, params.effects);
+  const Slm known = known_panel(slm, params);
   const bool has_dark_targets = is_dark(targets, wavelength, observer);
   std::optional<FrameStart> kind;  // none for dark targets
   if (!has_dark_targets) kind = start_of_frames(targets, wavelength, frames, slm, params);

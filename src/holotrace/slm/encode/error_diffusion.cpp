@@ -22,9 +22,10 @@ void encode_error_diffusion(const Field& field, const PhaseLevels& levels, const
       Complex* at = here.data() + i + 1;
       Complex* under = below.data() + i + 1;
       const Complex wanted = Complex(inside.samples(j, i)) + *at;
-      const int level = levels.level_of(wanted.real(), wanted.imag());
+      const Complex static_error = levels.error_at(j, i), pattern = wanted * std::conj(static_error);
+      const int level = levels.level_of(pattern.real(), pattern.imag());
       hologram.level(j, i) = uint16_t(level);
-      const Complex error = (wanted - shown[size_t(level)]) / 16.0;
+      const Complex error = (wanted - static_error * shown[size_t(level)]) / 16.0;
       at[step] += 7.0 * error;
       under[-step] += 3.0 * error;
       under[0] += 5.0 * error;

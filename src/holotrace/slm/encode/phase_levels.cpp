@@ -11,6 +11,7 @@
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/sample_kernels.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
+#include "holotrace/slm/panel/static_errors.h"
 
 namespace holotrace {
 
@@ -21,6 +22,9 @@ PhaseLevels::PhaseLevels(const Slm& known, int levels, double wavelength) : leve
     table_.emplace(known, levels, stretch);
     range_ = table_->range() * levels / (levels - 1.0);
   }
+  Slm errors = known;
+  errors.effects.light_map = nullptr;
+  static_errors_ = static_phasors(errors, stretch);
   for (int level = 0; level < levels; ++level)
     phasors_.push_back(cis_cycles(table_ ? table_->cycles_of(level) : range_ * level / levels));
 }
@@ -28,6 +32,14 @@ PhaseLevels::PhaseLevels(const Slm& known, int levels, double wavelength) : leve
 int PhaseLevels::level_of(double real, double imaginary) const {
   if (!table_) return phase_level(real, imaginary, levels_, range_);
   return table_->level_of(real == 0 && imaginary == 0 ? 0 : std::atan2(imaginary, real) / (2 * pi));
+}
+
+void PhaseLevels::levels_of_row(int row, const std::complex<float>* u, float sign, size_t count, uint16_t* to) const {
+  if (static_errors_.size() == 0) return levels_of(u, sign, count, to);
+  std::vector<std::complex<float>> wanted(count);
+  for (size_t i = 0; i < count; ++i)
+    wanted[i] = std::complex<float>(u[i].real(), sign * u[i].imag()) * std::conj(static_errors_(row, int(i)));
+  levels_of(wanted.data(), 1, count, to);
 }
 
 void PhaseLevels::levels_of(const std::complex<float>* u, float sign, size_t count, uint16_t* to) const {
@@ -81,8 +93,9 @@ void tell_phase_range(const Slm& slm, double range, double wavelength, const Obs
 void write_phase_levels(const Array2D<std::complex<float>>& samples, bool is_conjugate, const PhaseLevels& levels,
                         Array2D<uint16_t>& to) {
   const float sign = is_conjugate ? -1.0F : 1.0F;
-  parallel_for(0, samples.ny,
-               [&](int64_t j) { levels.levels_of(samples.row(int(j)), sign, size_t(samples.nx), to.row(int(j))); });
+  parallel_for(0, samples.ny, [&](int64_t j) {
+    levels.levels_of_row(int(j), samples.row(int(j)), sign, size_t(samples.nx), to.row(int(j)));
+  });
 }
 
 }  // namespace holotrace

@@ -14,7 +14,8 @@
 namespace holotrace {
 
 /// Conversion between phases and levels of a panel at one wavelength: the level nearest to a phase, and the phase that
-/// a level shows. Steps are even, or those of the panel's calibration if it is known.
+/// a level shows. Steps are even, or those of the panel's calibration if it is known. Where static errors of the phase are
+/// known (aberration, phase map), levels of pixels show the phase less that error.
 class PhaseLevels {
  public:
   /// @param known   panel with the effects that the levels compensate (with_effects)
@@ -27,11 +28,19 @@ class PhaseLevels {
   /// The same for each of `count` samples, or for their conjugates with sign = −1. Equal to level_of.
   void levels_of(const std::complex<float>* u, float sign, size_t count, uint16_t* to) const;
 
+  /// The same for the pixels of a row, less the static error there.
+  void levels_of_row(int row, const std::complex<float>* u, float sign, size_t count, uint16_t* to) const;
+
+  /// exp(iψ) of a pixel, ψ being its static error.
+  std::complex<double> error_at(int row, int column) const {
+    return static_errors_.size() == 0 ? 1 : std::complex<double>(static_errors_(row, column));
+  }
+
   /// Number of levels M.
   int count() const { return levels_; }
 
-  /// Whether the levels are those of a calibration, whose steps are not even.
-  bool has_table() const { return table_.has_value(); }
+  /// Whether the levels are those of a calibration, whose steps are not even, or depend on the pixel.
+  bool has_table() const { return table_.has_value() || static_errors_.size() > 0; }
 
   /// exp(iφ) for each level.
   const std::vector<std::complex<double>>& phasors() const { return phasors_; }
@@ -43,6 +52,7 @@ class PhaseLevels {
   int levels_;
   double range_;
   std::optional<LevelTable> table_;
+  Array2D<std::complex<float>> static_errors_;  // exp(iψ) of each pixel; empty: none
   std::vector<std::complex<double>> phasors_;
 };
 

@@ -160,7 +160,7 @@ Shown ready_to_show(const Hologram& hologram, const Slm& slm, const ShowParams& 
     observer.warn(fmt::format("the hologram has {} levels and the SLM \"{}\" {}: it is shown as if it had {}",
                               hologram.levels, slm.name, slm.levels, hologram.levels));
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
-  Shown shown{{with_effects(slm, params.effects), params, hologram.modulation, hologram.levels, design, state},
+  Shown shown{{with_effects_or_own(slm, params.effects), params, hologram.modulation, hologram.levels, design, state},
               drive_of(hologram.level),
               drive_of(hologram.modulus_level),
               hologram.modulation == Modulation::complex,
@@ -175,7 +175,7 @@ void tell(const Hologram& hologram, const Slm& slm, const ShowParams& params, do
   observer.fact("power_in", Fact(power_in));
   observer.fact("power_out", Fact(power_out));
   observer.fact("efficiency", Fact(power_in > 0 ? power_out / power_in : 0.0));
-  const Slm with = with_effects(slm, params.effects);
+  const Slm with = with_effects_or_own(slm, params.effects);
   tell_effects(slm, with, params, observer);
   warn_other_effects(hologram, with, observer);
 }

@@ -85,7 +85,9 @@ export function buildControls() {
   $('frames').onchange = choose;
   const effects = [...new Set(session.items.flatMap(item => item.effects))];
   $('effects').replaceChildren(element('legend', 'Effects of the panel'));
-  state.effects = new Set([...state.effects].filter(name => effects.includes(name)));
+  const own = session.items.flatMap(item => item.own_effects).filter(name => !state.knownEffects.has(name));
+  state.effects = new Set([...state.effects, ...own].filter(name => effects.includes(name)));
+  state.knownEffects = new Set(effects);
   for (const name of effects) {
     const label = element('label'), box = element('input', '', { type: 'checkbox', value: name });
     box.checked = state.effects.has(name);

@@ -2,7 +2,7 @@
 
 export const state = {
   distance: 300, pupil: 0, eye: [0, 0, 0], focal: 0, exposure: 0,
-  hasOrders: false, effects: new Set(), shown: null,  // null: all holograms
+  hasOrders: false, effects: new Set(), knownEffects: new Set(), shown: null,  // null: all holograms
 };
 export const session = { items: [], problems: [], readings: 0, defaults: { pupil_m: 0 } };
 
@@ -22,7 +22,7 @@ export function query(more = {}) {
   }
   if (state.exposure > 0) parts.set('exposure', number(state.exposure));
   if (state.hasOrders) parts.set('subpixels', '3');
-  if (state.effects.size > 0) parts.set('effects', [...state.effects].join(','));
+  if (state.knownEffects.size > 0) parts.set('effects', [...state.effects].join(',') || 'none');
   if (state.shown && state.shown.length < session.items.length) parts.set('items', state.shown.join(','));
   for (const [key, value] of Object.entries(more)) parts.set(key, value);
   return parts.toString();

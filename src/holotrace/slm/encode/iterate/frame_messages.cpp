@@ -46,7 +46,7 @@ void get_effects(Unpacker& unpacker, SlmEffects& effects) {
 // Names are left out.
 void pack_slm(std::string& bytes, const Slm& slm) {
   const auto& [name, grid, modulation, levels, fill_factor, fill_x, fill_y, design_wavelength, phase_range, effects,
-               preset, source] = slm;
+               preset, source, own_effects] = slm;
   pack(bytes, grid);
   pack(bytes, modulation);
   pack(bytes, levels);
