@@ -194,7 +194,7 @@ class OfProgram(unittest.TestCase):
             time.sleep(0.5)
             start = time.monotonic()
             self.assertEqual(server.stop(), 0)
-            self.assertLess(time.monotonic() - start, 1)
+            self.assertLess(time.monotonic() - start, 5)  # the picture alone takes longer; less on an idle machine
             asking.join()
 
     # Each thread that computes leaves memory behind in libraries: views of short-lived threads took 6 KiB each.
