@@ -128,8 +128,8 @@ struct ScenePoint {
   float phase = 0;      ///< phase [rad], added to that of TraceParams::phase
 };
 
-/// Geometry in the panel's frame: origin at its centre, x right, y up, z toward the viewer. The
-/// scene is at z < 0.
+/// Geometry in the panel's frame: origin at its centre, x right, y up, z toward the viewer. Most
+/// scenes are behind the panel, at z < 0; what is at z > 0 floats in front of it.
 struct Scene {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
@@ -140,8 +140,8 @@ struct Scene {
 };
 
 /// @throws Error, naming mesh and element, for triangles with invalid vertex indices, numbers that are
-///         not finite, materials that do not exist, points that are not behind the panel (z ≥ 0), meshes wholly in
-///         front of it, meshes that emit and have no area, and an empty scene.
+///         not finite, materials that do not exist, points on the panel (z = 0), meshes that emit and have no
+///         area, and an empty scene.
 void check_scene(const Scene& scene);
 
 }  // namespace holotrace

@@ -148,7 +148,9 @@ PathCounts fill_targets(const PathScene& scene, const StackLens& lens, const Ren
 
 void check_light_field(const LightFieldParams& p, const Grid& panel) {
   const Grid& most = p.lens.pixels() > 0 ? p.lens : panel;
-  check_range(p.distance, range::positive, Quantity::length, " for the plane of the light field");
+  require(std::isfinite(p.distance) && p.distance != 0 && p.distance + p.lens_z != 0,
+          "expected the plane of the light field beside the panel and its lens, got one at {}",
+          format_length(p.distance));
   require(p.columns >= 1 && p.rows >= 1 && p.columns <= most.nx && p.rows <= most.ny,
           "expected 1 to {} columns and 1 to {} rows of cells for the light field of a panel of that many pixels, got "
           "{} and {}",

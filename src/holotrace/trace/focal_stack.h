@@ -64,7 +64,7 @@ struct SceneViews {
 /// and high. The mesh in front of it is looked for from the centre of the panel, or of the cell. In focus a point is
 /// as bright as in `render`.
 ///
-/// @param scene       at z < 0 [m]
+/// @param scene       behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
 /// @param panel       the lens, and the pixels of every plane of the stack
 /// @param wavelength  used for the acceptance [m]; colours do not depend on it
 /// @param planes      at least one plane, of the stack or of the light field

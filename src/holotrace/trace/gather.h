@@ -41,7 +41,7 @@ namespace holotrace {
 ///
 /// Luminous points add their wave, exact, to the pixels in their box (box_radius) from which no mesh hides them.
 ///
-/// @param scene        at z < 0 [m]
+/// @param scene        behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
 /// @param panel        pixels: nx, ny, pitch [m]
 /// @param wavelengths  [m], any number; up to three share their rays, which fill the common cone: that of the shortest
 ///                     wavelength of all, or without a common cone that of the longest, of which each takes its own

@@ -36,7 +36,7 @@ namespace holotrace {
 ///
 ///     L·dA·(f/(f + z))²·cos⁴θ = a²·(d₀/r)²        for an eye at the origin  L = a²/(dA·cos²θ), as in `trace`
 ///
-/// @param scene       at z < 0 [m]
+/// @param scene       behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
 /// @param panel       used for its acceptance, if no field_of_view is given, and for its area as a lens
 /// @param wavelength  used for the acceptance [m]; colours do not depend on it
 /// @param params      columns 0: square picture. Several path groups add up; a path in two of them counts twice

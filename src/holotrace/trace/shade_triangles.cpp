@@ -93,7 +93,7 @@ struct MostCut {
       most_pieces, t.triangle, t.mesh, format_length(front), format_length(back), t.pieces);
 }
 
-// The pieces of all triangles that have an area and lie behind the panel, without those that the panel cannot see.
+// The pieces of all triangles that have an area, without those that the panel cannot see.
 std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tangent, int64_t& of_meshes) {
   const Cutter cutter(panel, tangent);
   std::vector<Piece> pieces;
@@ -104,8 +104,12 @@ std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tan
       Corners c;
       for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
       const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
-      const bool is_behind = c[0].z < 0 && c[1].z < 0 && c[2].z < 0;
-      if (!has_area || !is_behind) continue;
+      if (!has_area) continue;
+      if (const double front = std::max({c[0].z, c[1].z, c[2].z}); !(front < 0))
+        fail(
+            "expected surfaces behind the panel (z < 0) for the method triangles, got triangle {} of \"{}\" at z = {}; use "
+            "another method",
+            t, mesh.name, format_length(front));
       const size_t before = pieces.size();
       const bool is_whole = cutter.cut(c, id, uint32_t(t), pieces);
       if (const size_t count = pieces.size() - before; count > most_cut.pieces) most_cut = {count, t, mesh.name, c};

@@ -44,7 +44,7 @@ namespace holotrace {
 /// @param params       paths, max_depth, clamp, amplitude, path groups, seed, …: the parameters of light in `trace`
 /// @param shading      flat, or smooth
 /// @param observer     receives "mesh_triangles", "triangles" (after cutting) and "shining" (in all sets)
-/// @throws Error       as `trace` does, for a scene without meshes, a strategy other than shared, and triangles that come
+/// @throws Error       as `trace` does, for a scene without meshes, surfaces that are not behind the panel, a strategy other than shared, and triangles that come
 ///                     to more than 2^24 pieces, such as long slivers that reach far behind the panel
 ///
 /// Cost: per triangle (smooth: three times) a ray and `paths` light paths. Same result on any number of threads.

@@ -74,7 +74,7 @@ namespace holotrace {
 /// Random numbers are counted by i, first over the points and then over the rays. The waves are in that
 /// order, a merged one at the position of its first; the result is therefore the same on any number of threads.
 ///
-/// @param scene        at z < 0 [m]
+/// @param scene        behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
 /// @param panel        pixels: nx, ny, pitch [m]
 /// @param wavelengths  [m], at least one
 /// @param observer     receives the facts of `report`, "first_hits", "waves" (of all sets) and, if phases follow

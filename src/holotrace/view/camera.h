@@ -16,8 +16,8 @@
 
 namespace holotrace {
 
-/// The irradiance that a sensor without a lens records of the light that leaves an SLM, focused at `distance` [m] ≥ 0:
-/// behind the panel for a virtual image, in front of it for a real one. Applies the stop that the encoder asked for.
+/// The irradiance that a sensor without a lens records of the light that leaves an SLM, focused at `distance` [m]:
+/// behind the panel for a virtual image, in front of it for a real one; the other way round for a negative distance. Applies the stop that the encoder asked for.
 ///
 /// With camera.pupil > 0 an eye receives the light: only light through a round pupil about camera.eye, parallel to the
 /// panel, is used. The field is propagated to a window about the pupil in its plane, cut there, and propagated from
@@ -47,7 +47,7 @@ namespace holotrace {
 /// the processor goes on). light_in_pupil and focus_light choose the device `auto`, each for itself.
 ///
 /// @return        irradiance [W/m²]
-/// @throws Error  for a distance or a size below 0, an eye behind the panel or, on it, beside it, a lens without a
+/// @throws Error  for a distance that is not finite, a size below 0, an eye behind the panel or, on it, beside it, a lens without a
 ///                pupil or nearer than f to the plane, a sensor smaller than a sample or a pixel, a window given twice
 ///                (by the camera's and by the propagation's), and as propagate does
 Image look(const PlacedField& shown, const Slm& slm, double distance, const PropagateParams& propagation,

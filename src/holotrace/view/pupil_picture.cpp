@@ -155,7 +155,8 @@ void check_light_field(const LightField& field) {
   require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
           "expected a light field with a picture for each of its {} x {} cells, got {}", field.columns, field.rows,
           field.views.size());
-  check_range(field.distance, range::positive, Quantity::length, " for the plane of the light field");
+  require(std::isfinite(field.distance) && field.distance + field.lens_z != 0,
+          "expected the plane of the light field beside its lens, got one at {}", format_length(field.distance));
   const int channels = field.views.front().channels;
   for (const Image& view : field.views)
     require(view.nx == field.plane.nx && view.ny == field.plane.ny && view.channels == channels &&

@@ -19,7 +19,7 @@ void describe(Visitor& v, HologramParams& p) {
   v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
            "side of the panel with the picture: behind it (virtual) or in front of it (real), at positive distances");
   v.choice("modulation", p.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}},
-           "what the greys of a file without metadata mean");
+           "meaning of the greys of a file without metadata");
   v.count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
           "number of levels of a file without metadata; 0: all greys of its bits");
   v.length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's");

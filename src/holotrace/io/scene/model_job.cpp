@@ -185,8 +185,6 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   // On the floor, which is y = 0 here, about the axis of the model.
   std::vector<Vec3> places = places_of(model.meshes);
   const ModelBounds standing = bounds_of(places);
-  require(max_component(standing.high - standing.low) > 0, "{}: expected a model with an extent, got a single point",
-          path);
   const Vec3 foot{standing.middle().x, standing.low.y, standing.middle().z};
   move(shift(foot * -1.0), model.meshes);
   for (Vec3& p : places) p = p - foot;

@@ -69,7 +69,7 @@ toml::table parse_toml(const std::string& path, const char* kind) {
   } catch (const toml::parse_error& e) {
     const auto at = e.source().begin;
     const std::string line = line_of(text, at.line);
-    const std::string known = kind_by_bytes(path);
+    const std::string known = extension_of(path) == ".toml" ? "" : kind_by_bytes(path);
     if (!known.empty()) fail("{}: expected {}, got {}", path, kind, known);
     fail("{}:{}:{}: expected {}; the line is \"{}\"", path, at.line, at.column, expected_by(e.description(), line),
          line);

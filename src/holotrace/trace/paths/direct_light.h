@@ -185,11 +185,9 @@ class DirectLight {
     if (!light.light || at.depth >= scene_.params.max_depth) return;
     const auto& planes = scene_.mirrors.planes;
     for (size_t m = 0; m < planes.size(); ++m) {
-      const auto& image = planes[m].images[size_t(light.group)];
-      if (!image || !planes[m].is_between(at.point.position, *light.light)) continue;
-      const LightSample by_mirror = sample_light(*image, at.point.position, {});
+      const LightSample by_mirror = sample_light(planes[m].images[size_t(light.group)], at.point.position, {});
       if (const auto reflected = reflect(bsdf, at, by_mirror, false, weight))
-        add_by_mirror(at, by_mirror, *image, {m, light.group}, *reflected);
+        add_by_mirror(at, by_mirror, {m, light.group}, *reflected);
     }
   }
 
@@ -198,8 +196,9 @@ class DirectLight {
     int group;
   };
 
-  /// Adds the light of a mirror image, if the way to it meets that mirror first and is free from there to the light.
-  void add_by_mirror(const PathVertex& at, const LightSample& way, const Light& image, const MirroredLight& mirrored,
+  /// Adds the light of a mirror image, if the way to it meets that mirror first and is free from there to the light. The way to
+  /// the image of a light on the other side of the mirror does not meet it.
+  void add_by_mirror(const PathVertex& at, const LightSample& way, const MirroredLight& mirrored,
                      const Reflected& reflected) {
     const FlatMirror& mirror = scene_.mirrors.planes[mirrored.mirror];
     const Ray ray{scene_.accelerator.leave(at.point, way.direction), way.direction};
@@ -222,7 +221,7 @@ class DirectLight {
     if (const auto groups = path_groups_behind(1, glossy_state_))
       sink_.add(groups, mirrored.group, reflected.glossy * back->weight);
     if constexpr (Sink::follows_phase)
-      sink_.end_way(laser_path(image, sink_.place_of_phase(at.point.position)),
+      sink_.end_way(laser_path(mirror.images[size_t(mirrored.group)], sink_.place_of_phase(at.point.position)),
                     {int(mirrored.mirror) + 1, back->phase});
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <variant>
 
 #include "holotrace/trace/lights/light.h"
@@ -18,7 +19,23 @@ Vec3 mirrored_place(Vec3 p, const FlatMirror& mirror) {
   return mirror.place + mirrored_direction(p - mirror.place, mirror);
 }
 
-bool reflects(const Material& material, const SurfacePoint& point, const Lines& lines) {
+Light mirror_image(const Light& light, const FlatMirror& mirror) {
+  Light image = light;
+  if (auto* lamp = std::get_if<PointLight>(&image)) lamp->position = mirrored_place(lamp->position, mirror);
+  if (auto* spot = std::get_if<SpotLight>(&image)) {
+    spot->position = mirrored_place(spot->position, mirror);
+    spot->direction = mirrored_direction(spot->direction, mirror);
+  }
+  if (auto* beam = std::get_if<DirectionalLight>(&image)) {
+    beam->position = mirrored_place(beam->position, mirror);
+    beam->direction = mirrored_direction(beam->direction, mirror);
+  }
+  return image;
+}
+
+bool reflects(const Material& material, const Lines& lines) {
+  SurfacePoint point;
+  point.normal = point.geometric_normal = {0, 0, 1};
   const SpecularBranches branches = specular_branches(make_bsdf(material, point, lines), point.normal);
   return std::any_of(branches.ways.begin(), branches.ways.begin() + branches.count,
                      [](const BsdfSample& way) { return !way.is_transmission; });
@@ -48,36 +65,9 @@ std::optional<std::vector<FlatMirror>> planes_of(const Mesh& mesh, uint32_t inde
 
 }  // namespace
 
-bool FlatMirror::is_between(Vec3 point, const Light& light) const {
-  const auto* beam = std::get_if<DirectionalLight>(&light);
-  const auto* spot = std::get_if<SpotLight>(&light);
-  const auto* lamp = std::get_if<PointLight>(&light);
-  const double side = beam ? -dot(beam->direction, normal)
-                           : dot((spot   ? spot->position
-                                  : lamp ? lamp->position
-                                         : place) -
-                                     place,
-                                 normal);
-  return side * dot(point - place, normal) > 0;
-}
-
 bool FlatMirror::holds(const SurfacePoint& point) const {
   return point.light < 0 && point.mesh == mesh && std::abs(dot(point.geometric_normal, normal)) > 1 - same_direction &&
          std::abs(dot(point.position - place, normal)) <= 8 * point.clearance;
-}
-
-Light mirror_image(const Light& light, const FlatMirror& mirror) {
-  Light image = light;
-  if (auto* lamp = std::get_if<PointLight>(&image)) lamp->position = mirrored_place(lamp->position, mirror);
-  if (auto* spot = std::get_if<SpotLight>(&image)) {
-    spot->position = mirrored_place(spot->position, mirror);
-    spot->direction = mirrored_direction(spot->direction, mirror);
-  }
-  if (auto* beam = std::get_if<DirectionalLight>(&image)) {
-    beam->position = mirrored_place(beam->position, mirror);
-    beam->direction = mirrored_direction(beam->direction, mirror);
-  }
-  return image;
 }
 
 FlatMirrors flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines) {
@@ -87,20 +77,14 @@ FlatMirrors flat_mirrors(const Scene& scene, const std::vector<Light>& lights, c
     const Mesh& mesh = scene.meshes[m];
     const Material& material = scene.materials[size_t(mesh.material)];
     if (mesh.triangles.empty()) continue;
-    SurfacePoint point;
-    point.position = mesh.positions[mesh.triangles.front()[0]];
-    point.normal = point.geometric_normal = {0, 0, 1};
-    point.is_front = true;
-    point.colour = {1, 1, 1};
-    if (!reflects(material, point, lines)) continue;
+    if (!reflects(material, lines)) continue;
     const bool refracts = std::holds_alternative<DielectricMaterial>(material.surface) && !is_pane(material);
     auto planes = material.normal_map ? std::nullopt : planes_of(mesh, m);
     mirrors.has_curved = mirrors.has_curved || !planes || refracts;
     if (planes) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors.planes));
   }
   for (FlatMirror& mirror : mirrors.planes)
-    for (const Light& light : lights)
-      mirror.images.push_back(has_area(light) ? std::optional<Light>() : mirror_image(light, mirror));
+    for (const Light& light : lights) mirror.images.push_back(mirror_image(light, mirror));
   return mirrors;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "holotrace/data/scene.h"
@@ -14,18 +13,12 @@ namespace holotrace {
 /// it as their mirror images do.
 struct FlatMirror {
   uint32_t mesh = 0;
-  Vec3 place, normal;  ///< a point of the plane [m], and its unit normal
-  std::vector<std::optional<Light>>
-      images;  ///< mirror image of each light of the scene; none for those that rays can meet
+  Vec3 place, normal;         ///< a point of the plane [m], and its unit normal
+  std::vector<Light> images;  ///< mirror image of each light of the scene; rectangles as they are
 
-  /// Whether a point and a light of the scene are on the same side of the plane, so that the light can reach it by reflection.
-  bool is_between(Vec3 point, const Light& light) const;
   /// Whether a ray that met this point has met the plane.
   bool holds(const SurfacePoint& point) const;
 };
-
-/// The mirror image of a light that rays cannot meet.
-Light mirror_image(const Light& light, const FlatMirror& mirror);
 
 /// A flat mirror between a surface and a light.
 struct MirrorOnWay {
@@ -35,8 +28,7 @@ struct MirrorOnWay {
 
 struct FlatMirrors {
   std::vector<FlatMirror> planes;
-  bool has_curved =
-      false;  ///< whether there are mirrors or glass whose reflections and refractions have no such images
+  bool has_curved = false;  ///< whether there is also curved metal, or glass that refracts, which make no such images
 };
 
 /// The planes of all meshes that reflect, if there are lights that rays cannot meet. Meshes of more than 16 planes, and those with
