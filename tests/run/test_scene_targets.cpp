@@ -405,6 +405,33 @@ TEST(Eyes, OfSeveralEachGetsItsPicture) {
   }
 }
 
+// A square of side 0.3 mm about x = −0.2 mm, 5 mm in front of the panel, before an eye that is 20 mm in front of the panel: in the
+// plane of the square the picture is where the square is.
+TEST(Eyes, SeeWhatIsInFrontOfThePanel) {
+  Job job = squares_for_an_eye();
+  for (Vec3& p : job.scene.meshes.front().positions) p.z = 5e-3;
+  job.scene.meshes.resize(1);
+  job.camera.distances = {-5e-3};
+  const EyeLight traced = trace_targets(job).eyes.front();
+  const EyeLight light{traced.eye, light_for_pupil(traced.light, test_wavelength, 5e-4, traced.eye.z)};
+  const ViewTargets view = view_of_eye(light, job, -5e-3, test_wavelength);
+  EXPECT_EQ(view.z, 5e-3);
+  double sum = 0, x = 0, y = 0, wide = 0;
+  for (int j = 0; j < view.picture.ny; ++j)
+    for (int i = 0; i < view.picture.nx; ++i) {
+      const double power = std::pow(view.amplitudes.front()(j, i), 2);
+      sum += power;
+      x += power * view.picture.x(i);
+      y += power * view.picture.y(double(j));
+      wide += power * std::pow(view.picture.x(i) + 2e-4, 2);
+    }
+  ASSERT_GT(sum, 0);
+  EXPECT_NEAR(x / sum, -2e-4, 5e-6);
+  EXPECT_NEAR(y / sum, 0, 5e-6);
+  // The pupil blurs by λs/D = 16 µm: 8 % of the side's moment, side²/12.
+  EXPECT_NEAR(wide / sum, std::pow(3e-4, 2) / 12, 0.1 * std::pow(3e-4, 2) / 12);
+}
+
 TEST(Eyes, MustBeWhereLightOfThePanelComes) {
   const auto error = [](std::vector<double> eye, std::vector<std::string> box) {
     Job job = two_squares();

@@ -112,7 +112,16 @@ TEST(ShadeTriangles, OneSidedFacesAreDarkFromBehind) {
   EXPECT_TRUE(shade(scene).triangles.empty());
 }
 
-// Light goes straight ahead from triangles in front of the panel, and from others to what they can light of it: the
+TEST(ShadeTriangles, RefusesSurfacesInFrontOfThePanel) {
+  Scene scene = make_bright_wall(-20_mm);
+  scene.meshes[0].positions[1].z = 5_mm;
+  EXPECT_EQ(
+      error_of([&] { shade(scene); }),
+      "expected surfaces behind the panel (z < 0) for the method triangles, got triangle 0 of \"quad\" at z = 5 mm; use "
+      "another method");
+}
+
+// Light goes straight ahead from triangles before the panel, and from others to what they can light of it: the
 // part within their box, away from its ends by an eighth of it or by the width of the beam.
 TEST(ShadeTriangles, LightGoesToThePanel) {
   // Triangles of 52 µm, 1/64 of the view of 3.3 mm; beams of 0.7 mm; a panel of 4.1 mm: all cases occur.
