@@ -79,6 +79,7 @@ def write_depths(path):
 def make_folder(folder):
     """The files that stand for a reader's own, and the small examples."""
     write_depths(folder / "DEPTHS.png")
+    write_depths(folder / "HOLOGRAM.png")  # greys without metadata
     for name, source in INPUTS.items():
         shutil.copy(ROOT / source, folder / name)
     (folder / "panels").symlink_to(ROOT / "panels")

@@ -20,6 +20,7 @@
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
+#include "support/png.h"
 #include "support/program.h"
 #include "support/temporary.h"
 
@@ -40,6 +41,39 @@ nlohmann::json stages_of(const std::string& report) {
   const nlohmann::json json = nlohmann::json::parse(report);
   for (const auto& stage : json.at("stages")) stages[stage.at("stage").get<std::string>()] = stage;
   return stages;
+}
+
+// The same hologram without its metadata, as another program writes it, with flags in their place.
+TEST(Viewing, HologramsOfOtherProgramsAreShownAsTheirFlagsSay) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  work.write("other.png", work.read("out/hologram.png"));
+  drop_metadata(work.path("other.png"));
+  const auto shown = [&](const std::string& file, std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"show", file, "-o", "view.exr", "--slm", "scene.toml"});
+    const Outcome outcome = work.run(flags);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return work.read("view.exr");
+  };
+  const std::string light = "--wavelength", green = "532 nm", at = "--distance";
+  const std::string view = shown("out/hologram.png", {at, "26 mm"});
+  EXPECT_EQ(shown("other.png", {light, green, at, "26 mm"}), view);
+  // The real image's plane at −26 mm is the virtual one's at 26 mm.
+  EXPECT_EQ(shown("other.png", {light, green, at, "-26 mm", "--image", "real"}), view);
+  EXPECT_NE(shown("other.png", {light, green, at, "26 mm", "--image", "real"}), view);
+  EXPECT_NE(shown("other.png", {light, green, at, "26 mm", "--modulation", "amplitude"}), view);
+  EXPECT_NE(shown("other.png", {light, green, at, "26 mm", "--range", "180 deg"}), view);
+  EXPECT_EQ(shown("other.png", {light, green, at, "26 mm", "--range", "360 deg", "--levels", "256"}), view);
+  const auto refused = [&](const std::vector<std::string>& flags, const std::string& sentence) {
+    const Outcome outcome = work.run(flags);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find(sentence), std::string::npos) << outcome.err;
+  };
+  refused({"show", "other.png", "-o", "v.png", light, green, "--levels", "5"}, "expected the greys of 5 levels");
+  refused({"show", "out/hologram.png", "-o", "v.png", "--levels", "4"},
+          "expected levels and modulation only for files without metadata");
+  refused({"show", "other.png", "-o", "v.png", light, green, "--image", "left"}, "virtual");
 }
 
 TEST(Viewing, IsTheWeightedSumOverIlluminationStates) {

@@ -11,7 +11,7 @@ struct HologramParams {
   Modulation modulation = Modulation::phase;   ///< what its greys mean
   int levels = 0;                              ///< number of levels; 0: all greys of its bits
   double pitch = 0;                            ///< pixel pitch [m]; 0: the panel's
-  double range = 0;                            ///< phase of the level beyond the last one [rad]; 0: the panel's
+  double range = 0;                            ///< phase range (Slm::phase_range) [rad]; 0: the panel's own
 };
 
 template <class Visitor>
@@ -24,7 +24,7 @@ void describe(Visitor& v, HologramParams& p) {
           "number of levels of a file without metadata; 0: all greys of its bits");
   v.length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's");
   v.angle("range", p.range, range::not_negative,
-          "phase range of the panel, that of one level beyond the last; 0 rad: the panel's");
+          "phase range of the panel, 360 deg if its levels make a whole turn; 0 deg: the panel's own");
 }
 
 }  // namespace holotrace
