@@ -41,6 +41,7 @@ inline std::string pack_set(const Sources& set) {
   pack(bytes, set.tiles.columns);
   pack(bytes, set.tiles.rows);
   pack(bytes, set.waves);
+  pack(bytes, set.second_foci);
   pack(bytes, set.tiles.values);
   return bytes;
 }
@@ -53,6 +54,7 @@ inline Sources unpack_set(const std::string& bytes) {
   unpacker.get(set.tiles.columns);
   unpacker.get(set.tiles.rows);
   unpacker.get(set.waves);
+  unpacker.get(set.second_foci);
   unpacker.get(set.tiles.values);
   return set;
 }

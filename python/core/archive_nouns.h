@@ -37,8 +37,8 @@ void members(Archive& archive, TileAmplitudes& noun) {
 
 template <class Archive>
 void members(Archive& archive, Sources& noun) {
-  auto& [wavelength, waves, tiles, name, keys, seed, frame, cone] = noun;
-  archive(wavelength, waves, tiles, name, keys, seed, frame, cone);
+  auto& [wavelength, waves, tiles, foci, name, keys, seed, frame, cone] = noun;
+  archive(wavelength, waves, tiles, foci, name, keys, seed, frame, cone);
 }
 
 template <class Archive>

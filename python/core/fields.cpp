@@ -63,8 +63,9 @@ void bind_field(nb::module_& module, const char* name) {
   });
 }
 
+// Second foci and focal lines: none, or one of each wave.
 Sources make_sources(const In2<double>& positions, const In1<float>& amplitudes, const In1<float>& phases,
-                     nb::handle wavelength) {
+                     const In2<double>& second_foci, const In2<double>& focal_lines, nb::handle wavelength) {
   require(positions.shape(1) == 3, "expected positions of the shape (n, 3), got ({}, {})", positions.shape(0),
           positions.shape(1));
   const size_t count = positions.shape(0);
@@ -75,6 +76,14 @@ Sources make_sources(const In2<double>& positions, const In1<float>& amplitudes,
   sources.waves.resize(count);
   for (size_t i = 0; i < count; ++i)
     sources.waves[i] = {{positions(i, 0), positions(i, 1), positions(i, 2)}, amplitudes(i), phases(i)};
+  const size_t foci = second_foci.shape(0);
+  require(second_foci.shape(1) == 3 && focal_lines.shape(1) == 3 && focal_lines.shape(0) == foci &&
+              (foci == 0 || foci == count),
+          "expected second_foci and focal_lines of the shape ({}, 3), one for each position, got ({}, {}) and ({}, {})",
+          count, foci, second_foci.shape(1), focal_lines.shape(0), focal_lines.shape(1));
+  for (size_t i = 0; i < foci; ++i)
+    sources.second_foci.push_back({{second_foci(i, 0), second_foci(i, 1), second_foci(i, 2)},
+                                   {focal_lines(i, 0), focal_lines(i, 1), focal_lines(i, 2)}});
   if (count > 0) check_sources(sources);
   return sources;
 }
@@ -96,7 +105,7 @@ void bind_fields(nb::module_& module) {
   nb::class_<Sources> sources(module, "Sources");
   bind_bytes<Sources>(sources);
   sources.def_static("make", &make_sources, nb::arg("positions"), nb::arg("amplitudes"), nb::arg("phases"),
-                     nb::arg("wavelength").none());
+                     nb::arg("second_foci"), nb::arg("focal_lines"), nb::arg("wavelength").none());
   // The waves are one array of structures: a member of all of them is an array with a stride.
   constexpr int64_t doubles = sizeof(Source) / sizeof(double), floats = sizeof(Source) / sizeof(float);
   sources.def_prop_ro("positions", [](nb::handle self) {
@@ -110,6 +119,15 @@ void bind_fields(nb::module_& module) {
   sources.def_prop_ro("phases", [](nb::handle self) {
     const auto& waves = nb::cast<Sources&>(self).waves;
     return view(self, waves.empty() ? nullptr : &waves[0].phase, {waves.size()}, {floats});
+  });
+  constexpr int64_t foci_doubles = sizeof(SecondFocus) / sizeof(double);
+  sources.def_prop_ro("second_foci", [](nb::handle self) {
+    const auto& foci = nb::cast<Sources&>(self).second_foci;
+    return view(self, foci.empty() ? nullptr : &foci[0].place.x, {foci.size(), 3}, {foci_doubles, 1});
+  });
+  sources.def_prop_ro("focal_lines", [](nb::handle self) {
+    const auto& foci = nb::cast<Sources&>(self).second_foci;
+    return view(self, foci.empty() ? nullptr : &foci[0].line.x, {foci.size(), 3}, {foci_doubles, 1});
   });
   sources.def("__len__", [](const Sources& s) { return s.waves.size(); });
   sources.def_ro("wavelength", &Sources::wavelength);

@@ -218,23 +218,35 @@ def save_fields(path: Path, fields: Sequence[Field]) -> None:
 
 
 class Sources(Noun):
-    """Spherical waves of one wavelength that leave points behind the panel.
+    """Waves of one wavelength that leave points behind the panel, or converge to points in front of it.
 
     Parameters
     ----------
     positions : array of the shape (n, 3)
-        x, y, z in metres; z below 0, behind the panel.
+        x, y, z in metres; z below 0 behind the panel, above 0 in front of it.
     amplitudes : array of n numbers, or one
         Amplitudes on the panel at normal incidence [sqrt(W/m2)].
     phases : array of n numbers, or one
         Phases at the points [rad].
     wavelength : length
+    second_foci, focal_lines : arrays of the shape (n, 3)
+        Of astigmatic waves, which leave two focal lines: a place of the second one [m], and the unit vector along the first one,
+        which goes through the position, at right angles to the way from there to the second focus. A vector of 0 leaves a wave
+        spherical.
     """
 
     __slots__ = ()
 
     def __init__(
-        self, positions: Any, amplitudes: Any = 1.0, phases: Any = 0.0, *, wavelength: Length, name: str = ""
+        self,
+        positions: Any,
+        amplitudes: Any = 1.0,
+        phases: Any = 0.0,
+        *,
+        wavelength: Length,
+        name: str = "",
+        second_foci: Any = None,
+        focal_lines: Any = None,
     ) -> None:
         places = real_numbers(positions, "positions", np.float64)
         if places.ndim != 2:
@@ -247,7 +259,14 @@ class Sources(Noun):
         for array, what in zip(each, ("amplitudes", "phases")):
             if array.ndim != 1:
                 raise _core.Error(f"expected one row of {what}, got an array of the shape {array.shape}")
-        self._core = _core.Sources.make(places, each[0], each[1], wavelength)
+        foci, lines = (
+            np.empty((0, 3)) if given is None else real_numbers(given, what, np.float64)
+            for given, what in ((second_foci, "second_foci"), (focal_lines, "focal_lines"))
+        )
+        for array, what in ((foci, "second_foci"), (lines, "focal_lines")):
+            if array.ndim != 2:
+                raise _core.Error(f"expected {what} of the shape (n, 3), got {array.shape}")
+        self._core = _core.Sources.make(places, each[0], each[1], foci, lines, wavelength)
         self._core.name = text(name, "name")
         self.facts = {}
 
@@ -270,6 +289,18 @@ class Sources(Noun):
     def phases(self) -> np.ndarray[Any, Any]:
         """Phases [rad], a view."""
         array: np.ndarray[Any, Any] = self._core.phases
+        return array
+
+    @property
+    def second_foci(self) -> np.ndarray[Any, Any]:
+        """Places of the second focal lines, of the shape (n, 3) [m], or (0, 3) if all waves are spherical; a view."""
+        array: np.ndarray[Any, Any] = self._core.second_foci
+        return array
+
+    @property
+    def focal_lines(self) -> np.ndarray[Any, Any]:
+        """Unit vectors along the focal lines through the positions, as second_foci; a view."""
+        array: np.ndarray[Any, Any] = self._core.focal_lines
         return array
 
     @property

@@ -138,6 +138,42 @@ def test_sources_are_views(points):
     assert points.positions.shape == (20, 3)
 
 
+def test_astigmatic_sources_have_the_field_of_their_formula(tmp_path):
+    first, second = np.array([0.1e-3, 0, -0.08]), np.array([0.1e-3, 0, -0.05])
+    sources = ht.Sources(
+        [first, [0, 0, -0.1]], [2, 0], wavelength=532e-9, second_foci=[second, [0, 0, -1]], focal_lines=[[0, 1, 0], [0, 0, 0]]
+    )
+    field = ht.synthesize(sources, ht.Slm(nx=32, ny=24, pitch="8 um"), method="exact")
+    x = (np.arange(32) - 15.5) * 8e-6 - first[0]
+    y = (11.5 - np.arange(24)[:, None]) * 8e-6
+    rho, apart = np.hypot(x, 0.08), 0.03
+    s = np.hypot(rho - apart, y)
+    expected = 2 * np.sqrt(0.08 * 0.05 * (rho - apart) / rho) / s * np.exp(2j * np.pi * ((s + apart) / 532e-9 % 1))
+    assert np.abs(field.samples - expected).max() < 1e-6  # floats
+    sources.save(tmp_path / "s.ply")
+    for same in (ht.load_sources(tmp_path / "s.ply"), pickle.loads(pickle.dumps(sources))):
+        assert (same.second_foci == [second, [0, 0, -1]]).all()
+        assert (same.focal_lines == [[0, 1, 0], [0, 0, 0]]).all()
+    assert ht.Sources([[0, 0, -1]], wavelength=5e-7).second_foci.shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    "foci, lines, message",
+    [
+        ([[0, 0, -2], [0, 0, -2]], [[0, 1, 0], [0, 1, 0]], r"shape \(1, 3\)"),
+        ([[0, 0, -2]], None, r"shape \(1, 3\)"),
+        ([0, 0, -2], [[0, 1, 0]], r"\(n, 3\)"),
+        ([[0, 0, -2]], [[0, 2, 0]], "unit vector"),
+        ([[0, 0, -2]], [[0, 0, 1]], "right angles"),
+        ([[0, 0, -1]], [[0, 1, 0]], "another depth"),
+        ([[0, 0, np.nan]], [[0, 1, 0]], "finite"),
+    ],
+)
+def test_bad_second_foci_are_refused(foci, lines, message):
+    with pytest.raises(ht.Error, match=message):
+        ht.Sources([[0, 0, -1]], wavelength=5e-7, second_foci=foci, focal_lines=lines)
+
+
 @pytest.mark.parametrize(
     "places, message",
     [([[0, 0, 0]], "behind the panel"), ([[0, 0]], r"\(n, 3\)"), ([0, 0, -1], r"\(n, 3\)"), ([[0, 0, np.nan]], "finite")],

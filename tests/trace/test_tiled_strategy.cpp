@@ -7,6 +7,7 @@
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/shapes.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 
@@ -297,6 +298,54 @@ TEST(TiledStrategy, TheSameSourcesComeFromAnyNumberOfThreads) {
     EXPECT_EQ(results[0].waves, results[i].waves);
     EXPECT_EQ(results[0].tiles, results[i].tiles);
     EXPECT_EQ(results[0].phase_keys, results[i].phase_keys);
+  }
+}
+
+// A card 140 mm before a mirror of f = 100 mm at z = −220 mm has its real image at +130 mm. Rays of slope 0.0133 along x pass it, and
+// meet it on their way back; those of 0.0067 pass it, too. Every tile sees that image.
+TEST(TiledStrategy, ARealImageInFrontIsSeenByAllTiles) {
+  Scene scene;
+  scene.materials = {grey(0.5, 1), ConductorMaterial{}};
+  std::vector<Vec2> profile;
+  for (int k = 0; k <= 60; ++k) profile.push_back({0.2 * std::sin(0.005 * k), 0.2 * std::cos(0.005 * k)});
+  profile.front().x = 0;
+  Mesh bowl = make_lathe(profile, 128);
+  transform_mesh({{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {0, 0, -20_mm}}, bowl);
+  bowl.material = 1;
+  scene.meshes = {bowl, make_test_quad({0.725_mm, 0, -80_mm}, {0.175_mm, 0, 0}, {0, 8_mm, 0})};
+  TraceParams params{.columns = 9, .rows = 9, .field_of_view = 0.03, .paths = 1, .phase = SourcePhase::path};
+  params.tile_columns = params.tile_rows = 2;
+  params.strategy = Strategy::tiled;
+  const Sources sources = trace(scene, tiled_panel, green_light, params);
+  const size_t count = sources.waves.size();
+  ASSERT_EQ(count, 9u);
+  for (size_t i = 0; i < count; ++i) {
+    EXPECT_NEAR(sources.waves[i].origin.z, 130_mm, 5_mm);  // facets of 1 mm, spherical aberration at 3 mm from the axis
+    for (size_t t = 0; t < 4; ++t) EXPECT_GT(sources.tiles.values[t * count + i], 0) << i << ", " << t;
+  }
+}
+
+// What is before the panel, and beside all rays, changes no wave behind it.
+TEST(TiledStrategy, SurfacesInFrontLeaveMirrorImagesWhereTheyAre) {
+  Scene scene;
+  scene.materials = {grey(0.5, 1), ConductorMaterial{}};
+  scene.meshes = {make_test_quad({-60_mm, 0, -0.2}, {0, 0, 40_mm}, {0, 40_mm, 0}, 0),
+                  make_test_quad({0, 0, -0.2}, {15_mm, 0, 15_mm}, {0, 20_mm, 0}, 1)};
+  TraceParams params{
+      .columns = 5, .rows = 5, .tile_columns = 2, .tile_rows = 2, .paths = 1, .phase = SourcePhase::path};
+  for (const Strategy strategy : {Strategy::shared, Strategy::tiled}) {
+    params.strategy = strategy;
+    const Sources without = trace(scene, tiled_panel, green_light, params);
+    Scene more = scene;
+    more.meshes.push_back(make_test_quad({0.2, 0, 40_mm}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0));
+    const Sources with = trace(more, tiled_panel, green_light, params);
+    ASSERT_EQ(with.waves.size(), without.waves.size());
+    ASSERT_GT(with.waves.size(), 10u);
+    for (size_t i = 0; i < with.waves.size(); ++i) {
+      EXPECT_LT(length(with.waves[i].origin - without.waves[i].origin), 1e-8);  // differences at 0.3 m, 1e-8 of it
+      const double turn = double(with.waves[i].phase) - without.waves[i].phase;
+      EXPECT_NEAR(std::cos(turn), 1, 2e-2) << "3e-9 m of its distance are 0.04 rad";
+    }
   }
 }
 

@@ -128,6 +128,35 @@ TEST(PupilPicture, CellsCountByTheirPartOfTheFootprint) {
   }
 }
 
+// Of a place between panel and lens, the panel is seen through it, and cuts the pupil's rays on the other side: its light is counted
+// on a raster of the pupil.
+TEST(PupilPicture, ThePanelCutsTheRaysThroughAPlaceInFrontOfIt) {
+  LightField field = even_field(16, 16, [](int, int) { return 1; });
+  field.lens = {16, 16, 64e-6};
+  field.lens_z = 0.1;
+  const double z = 0.05;
+  const Pupil pupil{{0.3e-3, -0.1e-3, 0.3}, 0.4e-3};
+  const PupilPicture picture = picture_through(field, green_light, pupil_panel, -z, pupil);
+  bool is_cut = false;
+  for (const auto& [row, column] : {std::pair{24, 63}, {24, 0}, {0, 62}, {47, 1}, {20, 30}}) {
+    const Vec3 p{pupil_panel.x(column), pupil_panel.y(row), z};
+    double count = 0, all = 0;
+    const int points = 400;
+    for (int j = 0; j < points; ++j)
+      for (int i = 0; i < points; ++i) {
+        const double x = (2 * i + 1.0) / points - 1, y = (2 * j + 1.0) / points - 1;
+        if (x * x + y * y >= 1) continue;
+        ++all;
+        const Vec3 q = pupil.centre + Vec3{x, y, 0} * (pupil.diameter / 2);
+        const Vec3 a = p - (q - p) * (z / (q.z - z));  // on the panel
+        count += std::abs(a.x) < pupil_panel.width() / 2 && std::abs(a.y) < pupil_panel.height() / 2;
+      }
+    is_cut = is_cut || (count > 0.05 * all && count < 0.95 * all);
+    EXPECT_NEAR(picture.open(row, column), count / all, 6.3 / points) << row << ", " << column;
+  }
+  EXPECT_TRUE(is_cut);
+}
+
 TEST(PupilPicture, TheConeOfEachPixelClosesPartOfThePupil) {
   // At 4 mm the box of a pixel reaches 0.133 mm to each side: a wide pupil is open over the box, where the panel is.
   const double distance = 4e-3, reach = box_radius(distance, green_light, pupil_panel.pitch), diameter = 4e-3;

@@ -96,6 +96,12 @@ TEST(Bands, FitTheMemoryOrSayWhatIsNeeded) {
   EXPECT_NE(error.find("for 128 rows of 100000 pixels and the waves, got 143 MiB"), std::string::npos) << error;
 }
 
+TEST(Bands, CountWavesFromInFrontOfThePanel) {
+  Sources sources{.wavelength = 532e-9};
+  sources.waves = {{{0, 0, 0.05}, 1, 0}, {{0, 0, -0.05}, 1, 0}, {{0.5, 0, 0.05}, 1, 0}};
+  EXPECT_EQ(missed_waves(sources, bands_panel), 1);
+}
+
 TEST(Bands, LieWhereTheirRowsLie) {
   const Grid band = band_of(bands_panel, 128, 300);
   // The centre is rounded once more: 1e-18 m for 3 mm.

@@ -69,7 +69,7 @@ TEST(BothSides, EveryMethodSumsThemWithinItsTolerance) {
        {SynthesisMethod::exact, SynthesisMethod::tiled, SynthesisMethod::planes, SynthesisMethod::automatic}) {
     const Field field = synthesize(sources, grid, {.method = method, .tolerance = 1e-3});
     EXPECT_LT(relative_error(field, expected), 1e-3) << method_name(method);
-    EXPECT_GT(relative_error(field, closed_form(sides_of(sources).behind, grid)), 0.1);
+    EXPECT_GT(relative_error(field, closed_form(kinds_of(sources).behind, grid)), 0.1);
   }
 }
 

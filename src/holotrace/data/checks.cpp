@@ -42,6 +42,28 @@ void check_cone(double cone_wavelength, double wavelength) {
           format_length(wavelength), format_length(cone_wavelength));
 }
 
+namespace {
+
+void check_second_focus(const SecondFocus& focus, Vec3 origin, size_t source) {
+  const auto [place, line] = focus;
+  require(
+      is_finite(place) && is_finite(line) && place.z != 0,
+      "expected a second focus of source {} with finite coordinates, behind the panel (z < 0) or in front of it (z > 0), got "
+      "({}, {}, {}) m with the focal line ({}, {}, {})",
+      source, place.x, place.y, place.z, line.x, line.y, line.z);
+  const Vec3 way = place - origin;
+  require(way.z != 0, "expected a second focus of source {} at another depth than its origin, got z = {} m for both",
+          source, place.z);
+  constexpr double rounding = 1e-6;  // of directions from files in single precision
+  require(
+      std::abs(length(line) - 1) < rounding && std::abs(dot(way, line)) < rounding * length(way),
+      "expected the focal line of source {} as a unit vector at right angles to the way from its origin to its second focus, "
+      "got ({}, {}, {})",
+      source, line.x, line.y, line.z);
+}
+
+}  // namespace
+
 void check_sources(const Sources& sources) {
   check_wavelength(sources.wavelength);
   check_cone(sources.cone_wavelength, sources.wavelength);
@@ -52,6 +74,11 @@ void check_sources(const Sources& sources) {
             s.origin.y, s.origin.z, s.amplitude, s.phase);
     require(s.origin.z != 0, "expected source {} behind the panel (z < 0) or in front of it (z > 0), got z = 0 m", j);
   }
+  const auto& foci = sources.second_foci;
+  require(foci.empty() || foci.size() == sources.waves.size(),
+          "expected a second focus for each of {} waves, or none, got {}", sources.waves.size(), foci.size());
+  for (size_t j = 0; j < foci.size(); ++j)
+    if (foci[j].is_astigmatic()) check_second_focus(foci[j], sources.waves[j].origin, j);
   const TileAmplitudes& tiles = sources.tiles;
   require((tiles.columns == 0 && tiles.rows == 0) || (tiles.columns > 0 && tiles.rows > 0),
           "expected amplitudes of at least 1 × 1 tiles, or of none, got {} × {}", tiles.columns, tiles.rows);
@@ -69,7 +96,9 @@ void check_sources(const Sources& sources) {
 void check_sources_behind(const Sources& sources) {
   check_sources(sources);
   for (size_t j = 0; j < sources.waves.size(); ++j)
-    if (!(sources.waves[j].origin.z < 0))  // the length is formatted only then: there may be a million sources
+    if (!(sources.waves[j].origin.z < 0) &&
+        (sources.second_foci.empty() ||
+         !sources.second_foci[j].is_astigmatic()))  // the length is formatted only then: there may be a million sources
       fail("expected source {} behind the panel (z < 0), got z = {}; synthesize sums waves from both sides", j,
            format_length(sources.waves[j].origin.z));
 }

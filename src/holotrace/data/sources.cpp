@@ -1,7 +1,5 @@
 #include "holotrace/data/sources.h"
 
-#include <algorithm>
-
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 
@@ -21,36 +19,55 @@ void set_frame(Sources& sources, uint32_t frame) {
   sources.frame = frame;
 }
 
-bool has_waves_in_front(const Sources& sources) {
-  return std::any_of(sources.waves.begin(), sources.waves.end(), [](const Source& s) { return s.origin.z > 0; });
+namespace {
+
+enum class Kind { behind, in_front, astigmatic };
+
+Kind kind_of(const Sources& sources, size_t i) {
+  if (!sources.second_foci.empty() && sources.second_foci[i].is_astigmatic()) return Kind::astigmatic;
+  return sources.waves[i].origin.z > 0 ? Kind::in_front : Kind::behind;
 }
 
-SourceSides sides_of(const Sources& sources) {
-  const size_t count = sources.waves.size();
+}  // namespace
+
+bool are_from_behind(const Sources& sources) {
+  for (size_t i = 0; i < sources.waves.size(); ++i)
+    if (kind_of(sources, i) != Kind::behind) return false;
+  return true;
+}
+
+Sources some_of(const Sources& sources, const std::vector<size_t>& indices) {
+  Sources some{.wavelength = sources.wavelength,
+               .tiles = {sources.tiles.columns, sources.tiles.rows, {}},
+               .name = sources.name,
+               .seed = sources.seed,
+               .frame = sources.frame,
+               .cone_wavelength = sources.cone_wavelength};
+  const auto take = [&](const auto& all, size_t first, auto& to) {
+    for (const size_t i : indices) to.push_back(all[first + i]);
+  };
+  take(sources.waves, 0, some.waves);
+  if (!sources.second_foci.empty()) take(sources.second_foci, 0, some.second_foci);
   const size_t tiles = size_t(sources.tiles.columns) * size_t(sources.tiles.rows);
-  SourceSides sides;
-  for (Sources* side : {&sides.behind, &sides.mirrored}) {
-    const bool is_mirrored = side == &sides.mirrored;
-    *side = {sources.wavelength,
-             {},
-             {sources.tiles.columns, sources.tiles.rows, {}},
-             sources.name,
-             {},
-             sources.seed,
-             sources.frame,
-             sources.cone_wavelength};
-    const auto belongs = [&](size_t i) { return (sources.waves[i].origin.z > 0) == is_mirrored; };
-    for (size_t i = 0; i < count; ++i) {
-      if (!belongs(i)) continue;
-      const Source& wave = sources.waves[i];
-      const Vec3 mirror{wave.origin.x, wave.origin.y, -wave.origin.z};
-      side->waves.push_back(is_mirrored ? Source{mirror, wave.amplitude, -wave.phase} : wave);
-    }
-    for (size_t tile = 0; tile < tiles; ++tile)
-      for (size_t i = 0; i < count; ++i)
-        if (belongs(i)) side->tiles.values.push_back(sources.tiles.values[tile * count + i]);
+  for (size_t tile = 0; tile < tiles; ++tile)
+    take(sources.tiles.values, tile * sources.waves.size(), some.tiles.values);
+  return some;
+}
+
+SourceKinds kinds_of(const Sources& sources) {
+  std::vector<size_t> behind, in_front, astigmatic;
+  for (size_t i = 0; i < sources.waves.size(); ++i) {
+    const Kind kind = kind_of(sources, i);
+    (kind == Kind::behind ? behind : kind == Kind::in_front ? in_front : astigmatic).push_back(i);
   }
-  return sides;
+  SourceKinds kinds{some_of(sources, behind), some_of(sources, in_front), some_of(sources, astigmatic)};
+  kinds.behind.second_foci.clear();
+  kinds.mirrored.second_foci.clear();
+  for (Source& wave : kinds.mirrored.waves) {
+    wave.origin.z = -wave.origin.z;
+    wave.phase = -wave.phase;
+  }
+  return kinds;
 }
 
 }  // namespace holotrace

@@ -20,6 +20,18 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
+/// What makes a wave astigmatic, as curved mirrors and glass at oblique incidence do: it leaves, or converges to, two focal lines
+/// instead of a point. The formulas are those of AstigmaticWave (astigmatic_wave.h).
+struct SecondFocus {
+  Vec3
+      place;  ///< point of the second focal line on the wave's middle ray, that from the origin through it [m]; z < 0 or z > 0
+  Vec3
+      line;  ///< unit vector along the focal line through the origin, at right angles to that ray; 0: the wave is spherical
+  bool operator==(const SecondFocus&) const = default;
+
+  bool is_astigmatic() const { return line != Vec3{}; }
+};
+
 /// The panel cut into columns × rows tiles of (almost) equal size, row 0 on top: tile (c, r) has the pixels
 /// ⌊c·nx/columns⌋ ≤ i < ⌊(c+1)·nx/columns⌋; rows in the same way. Each wave has its own amplitude in each tile.
 struct TileAmplitudes {
@@ -32,8 +44,9 @@ struct TileAmplitudes {
 struct Sources {
   double wavelength = 0;  ///< wavelength of all waves [m]
   std::vector<Source> waves{};
-  TileAmplitudes tiles{};  ///< amplitudes per tile; they replace those of the waves
-  std::string name{};      ///< name of the path group or light that they show, "" for all light
+  TileAmplitudes tiles{};                  ///< amplitudes per tile; they replace those of the waves
+  std::vector<SecondFocus> second_foci{};  ///< one of each wave; empty: all waves are spherical
+  std::string name{};                      ///< name of the path group or light that they show, "" for all light
 
   /// Waves with equal keys start with the same random phase, 2π·u(seed, frame, key) (source_phase.h); a wave
   /// without a random part has the key `no_phase_key`. Empty: no wave has one.
@@ -60,18 +73,21 @@ void set_frame(Sources& sources, uint32_t frame);
 ///         and the numbers of tile amplitudes and phase keys match the number of waves.
 void check_sources(const Sources& sources);
 
-/// @throws Error as check_sources does, and for the first wave that is not behind the panel
+/// @throws Error as check_sources does, and for the first spherical wave that is not behind the panel
 void check_sources_behind(const Sources& sources);
 
-/// Whether any wave converges to a point in front of the panel.
-bool has_waves_in_front(const Sources& sources);
-
-/// Waves by the side of the panel. Those from in front are mirrored: a wave that converges to (x, y, z) is on the panel the
-/// conjugate of the one that leaves (x, y, −z) with the phase −φ₀.
-struct SourceSides {
-  Sources behind, mirrored;
+/// Waves by the ways in which they are summed. Spherical ones from in front of the panel are mirrored: a wave that converges to
+/// (x, y, z) is on the panel the conjugate of the one that leaves (x, y, −z) with the phase −φ₀.
+struct SourceKinds {
+  Sources behind, mirrored, astigmatic;
 };
-SourceSides sides_of(const Sources& sources);
+SourceKinds kinds_of(const Sources& sources);
+
+/// Whether all waves are spherical and from behind the panel.
+bool are_from_behind(const Sources& sources);
+
+/// The waves with these indices, in this order, with all that belongs to them; without phase keys.
+Sources some_of(const Sources& sources, const std::vector<size_t>& indices);
 
 /// @throws Error unless the acceptance wavelength of waves is 0 (their own) or at most their own [m]
 void check_cone(double cone_wavelength, double wavelength);

@@ -23,6 +23,7 @@ uint64_t field_fingerprint(const Grid& panel, const SynthesizeParams& params, co
     f.add(set->wavelength);
     f.add(set->cone_wavelength);
     f.add(set->waves.data(), set->waves.size() * sizeof(Source));
+    f.add(set->second_foci.data(), set->second_foci.size() * sizeof(SecondFocus));
     f.add(set->tiles.columns);
     f.add(set->tiles.rows);
     f.add(set->tiles.values.data(), set->tiles.values.size() * sizeof(float));

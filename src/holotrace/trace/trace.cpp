@@ -50,12 +50,14 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
   all.waves.reserve(most);
   all.keys.reserve(most);
   all.cells.reserve(most);
+  all.second_foci.reserve(most);
   all.tiles.reserve(most * t.tiles.size());
   for (Block& block : blocks) {
     TracedWaves& from = block.sets[s];
     append(all.waves, from.waves);
     append(all.keys, from.keys);
     append(all.cells, from.cells);
+    append(all.second_foci, from.second_foci);
     append(all.tiles, from.tiles);
   }
   const size_t tiles = t.tiles.size();
@@ -71,6 +73,9 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
     for (size_t i = 0; i < all.tiles.size(); ++i) sources.tiles.values[i % tiles * count + i / tiles] = all.tiles[i];
   }
   sources.waves = std::move(all.waves);
+  const auto is_astigmatic = [](const SecondFocus& focus) { return focus.is_astigmatic(); };
+  if (std::any_of(all.second_foci.begin(), all.second_foci.end(), is_astigmatic))
+    sources.second_foci = std::move(all.second_foci);
   const auto is_random = [](uint64_t key) { return key != Sources::no_phase_key; };
   if (std::any_of(all.keys.begin(), all.keys.end(), is_random)) sources.phase_keys = std::move(all.keys);
   return sources;
@@ -79,7 +84,8 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
 /// Traces one group of wavelengths; sets of lights or path groups without a wave are left out.
 void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std::vector<Sources>& sets) {
   const int64_t count = t.pattern ? t.pattern->count() : 0;
-  const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(float) * double(t.tiles.size());
+  const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(SecondFocus) +
+                       sizeof(float) * double(t.tiles.size());
   // Hash table of the cells, one set after the other (merge_waves.h): about 100 bytes per wave.
   const double cells = t.params.phase != SourcePhase::random && t.params.one_wave_per_cell ? 100 : 0;
   require_memory((2 * bytes * double(t.sets.size()) + cells) * double(count),

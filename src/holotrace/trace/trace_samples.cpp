@@ -14,12 +14,32 @@ namespace holotrace {
 namespace {
 
 /// Adds a wave to a set. `key` selects its random phase.
-void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uint64_t key, WaveCell cell) {
+void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uint64_t key, const WaveCell& cell,
+              const SecondFocus& second = {}) {
   if (key != Sources::no_phase_key) phase += random_phase(uint64_t(t.params.seed), 0, key);
   wave.phase = float(phase);
   set.waves.push_back(wave);
   set.keys.push_back(key);
   set.cells.push_back(cell);
+  set.second_foci.push_back(second);
+}
+
+/// The wave with focal lines that a ray has found, if a spherical one would be wrong by more than λ/20 where it lights the panel.
+std::optional<AstigmaticWave> astigmatic_wave(const Tracing& t, const Ray& ray, const SpecularLeaf& leaf) {
+  if (!leaf.lines) return std::nullopt;
+  const auto& [first, second, line] = *leaf.lines;
+  const Vec3 origin = ray.origin + ray.direction * first, place = ray.origin + ray.direction * second;
+  const double difference = std::abs(1 / second - 1 / first);
+  if (origin.z == place.z || origin.z == 0 || place.z == 0) return std::nullopt;
+  const AstigmaticWave wave(origin, {place, line});
+  const auto lit = wave.lit(acceptance_tangent(t.widest, t.panel.pitch));
+  // Either curvature is off by half the difference, up to the far edges of the lit part.
+  const double reach =
+      std::hypot(std::min(2 * lit.reach_x, t.panel.width()), std::min(2 * lit.reach_y, t.panel.height()));
+  double shortest = t.widest;
+  for (const WaveSet& set : t.sets) shortest = std::min(shortest, set.wavelength);
+  const bool is_seen = difference / 4 * reach * reach > shortest / 20;
+  return is_seen && lit.contains(ray.origin) ? std::optional(wave) : std::nullopt;
 }
 
 /// The angle reduced to [0, 2π), where a float is most precise.
@@ -36,10 +56,13 @@ void add_ray_wave(const Tracing& t, size_t s, const FoundWave& found, double amp
                   Block& block) {
   const WaveSet& set = t.sets[s];
   const RayWave& wave = found.wave;
-  const double phase = reduced(phase_beyond(wave, wave.leaf.distance, set.wavelength, set.line) + light_phase);
+  const double distance = wave.astigmatic ? wave.leaf.lines->first : wave.leaf.distance;
+  const double phase = reduced(phase_beyond(wave, distance, set.wavelength, set.line) + light_phase);
   const uint64_t key = key_in(set, t.params.phase, wave.key, found.sample);
   const bool is_alone = !t.params.one_wave_per_cell || key != wave.key;
-  add_wave(t, block.sets[s], {wave.origin, float(amplitude)}, phase, key, is_alone ? WaveCell{} : wave.cell);
+  const Vec3 origin = wave.astigmatic ? wave.astigmatic->origin() : wave.origin;
+  add_wave(t, block.sets[s], {origin, float(amplitude)}, phase, key, is_alone ? WaveCell{} : wave.cell,
+           wave.astigmatic ? wave.astigmatic->second() : SecondFocus{});
 }
 
 /// Adds the waves found by a ray to the sets, each with one amplitude for the whole panel.
@@ -49,18 +72,19 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
     if (!(light.radiance > 0)) continue;
     const double brightness = squared_amplitude_of(light.radiance, t.params.amplitude);
-    const double squared = brightness * t.pattern->squared_amplitude(ray, wave.origin, set.cone());
+    const double squared = brightness * t.pattern->squared_amplitude(ray, {wave.origin, wave.astigmatic}, set.cone());
     block.surfaces.add(brightness);
     if (const double amplitude = std::sqrt(squared); amplitude > 0)
       add_ray_wave(t, i, {wave, sample}, amplitude, light.phase, block);
   }
 }
 
-/// Whether light from a place reaches a tile within the panel's acceptance, at any of the wavelengths.
-bool is_in_reach(const Tracing& t, const PixelBox& tile, Vec3 origin) {
-  const double radius = box_radius(std::abs(origin.z), t.widest, t.panel.pitch);
-  return origin.x >= t.panel.x(tile.x0) - radius && origin.x <= t.panel.x(tile.x1 - 1) + radius &&
-         origin.y <= t.panel.y(tile.y0) + radius && origin.y >= t.panel.y(tile.y1 - 1) - radius;
+/// Whether a wave's light reaches a tile within the panel's acceptance, at any of the wavelengths.
+bool is_in_reach(const Tracing& t, const PixelBox& tile, const RayWave& wave) {
+  const auto [foot, reach_x, reach_y] =
+      WaveShape{wave.origin, wave.astigmatic}.lit(acceptance_tangent(t.widest, t.panel.pitch));
+  return foot.x >= t.panel.x(tile.x0) - reach_x && foot.x <= t.panel.x(tile.x1 - 1) + reach_x &&
+         foot.y <= t.panel.y(tile.y0) + reach_y && foot.y >= t.panel.y(tile.y1 - 1) - reach_y;
 }
 
 /// The same, each with an amplitude for every tile within reach that sees it.
@@ -70,7 +94,7 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
   size_t in_reach = 0;
   for (const PanelTile& tile : t.tiles) {
     seen.emplace_back();
-    if (!is_in_reach(t, tile.box, wave.origin)) continue;
+    if (!is_in_reach(t, tile.box, wave)) continue;
     ++in_reach;
     seen.back() = light_toward(t.scene, t.params, wave, tile.centre, sample, block.counts);
     if (seen.back()) visible.push_back(tile.box);
@@ -79,9 +103,10 @@ void add_tiled(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t s
   for (size_t i = 0; i < t.sets.size(); ++i) {
     const WaveSet& set = t.sets[i];
     const SetLight light = light_of(set, wave.light, wave.leaf.weight);
-    const double per_radiance = visible.size() == in_reach
-                                    ? t.pattern->squared_amplitude(ray, wave.origin, set.cone())
-                                    : t.pattern->squared_amplitude(ray, wave.origin, set.cone(), visible);
+    const double per_radiance =
+        visible.size() == in_reach
+            ? t.pattern->squared_amplitude(ray, {wave.origin, wave.astigmatic}, set.cone())
+            : t.pattern->squared_amplitude(ray, {wave.origin, wave.astigmatic}, set.cone(), visible);
     const auto amplitude_of = [&](const SetLight& l) {
       return std::sqrt(squared_amplitude_of(l.radiance, t.params.amplitude) * per_radiance);
     };
@@ -111,10 +136,11 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
   random.uniform();  // the sample's random phase
   const auto ray = t.pattern->ray(index, random);
   if (!ray) return;
-  const std::vector<RayWave> waves = find_waves(t.scene, t.params, t.side, *ray, sample, block.counts);
+  std::vector<RayWave> waves = find_waves(t.scene, t.params, t.side, *ray, sample, block.counts);
   block.first_hits += !waves.empty();
-  for (const RayWave& wave : waves) {
+  for (RayWave& wave : waves) {
     if (wave.origin.z == 0) continue;  // a point of the panel lights no pixel
+    wave.astigmatic = astigmatic_wave(t, *ray, wave.leaf);
     block.far_waves += wave.leaf.is_far;
     if (t.tiles.empty())
       add_shared(t, *ray, wave, sample, block);

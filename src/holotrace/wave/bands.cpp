@@ -37,10 +37,12 @@ Sources sources_of_band(const Sources& all, const Grid& panel, const Grid& grid,
   for (size_t i = 0; i < count; ++i) {
     bool has_light = columns == 0;
     for (int tile = 0; tile < columns; ++tile) has_light = has_light || amplitude(size_t(tile), i) != 0;
-    if (has_light && !lit_box(all.waves[i], grid, tangent).is_empty()) chosen.push_back(i);
+    if (has_light && !lit_box(all, i, grid, tangent).is_empty()) chosen.push_back(i);
   }
   some.waves.reserve(chosen.size());
   for (const size_t i : chosen) some.waves.push_back(all.waves[i]);
+  if (!all.second_foci.empty())
+    for (const size_t i : chosen) some.second_foci.push_back(all.second_foci[i]);
   if (columns == 0) return some;
   some.tiles = {columns, 1, {}};
   some.tiles.values.reserve(size_t(columns) * chosen.size());
@@ -120,8 +122,9 @@ std::vector<Band> plan_bands(const std::vector<Sources>& sets, const Grid& panel
 
 int64_t missed_waves(const Sources& sources, const Grid& panel) {
   const double tangent = acceptance_tangent(sources.acceptance_wavelength(), panel.pitch);
-  return std::count_if(sources.waves.begin(), sources.waves.end(),
-                       [&](const Source& s) { return lit_box(s, panel, tangent).is_empty(); });
+  int64_t missed = 0;
+  for (size_t i = 0; i < sources.waves.size(); ++i) missed += lit_box(sources, i, panel, tangent).is_empty();
+  return missed;
 }
 
 std::vector<double> band_shares(const std::vector<Sources>& sets, const Grid& panel, const std::vector<Band>& bands) {
@@ -129,8 +132,8 @@ std::vector<double> band_shares(const std::vector<Sources>& sets, const Grid& pa
   for (const Sources& set : sets) {
     std::vector<double> change(size_t(panel.ny) + 1, 0.0);
     const double tangent = acceptance_tangent(set.acceptance_wavelength(), panel.pitch);
-    for (const Source& source : set.waves) {
-      const PixelBox box = lit_box(source, panel, tangent);
+    for (size_t i = 0; i < set.waves.size(); ++i) {
+      const PixelBox box = lit_box(set, i, panel, tangent);
       if (box.is_empty()) continue;
       change[size_t(box.y0)] += box.x1 - box.x0;
       change[size_t(box.y1)] -= box.x1 - box.x0;

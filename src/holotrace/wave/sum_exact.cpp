@@ -3,14 +3,14 @@
 #include <atomic>
 
 #include "holotrace/base/threads.h"
-#include "holotrace/wave/both_sides.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
+#include "holotrace/wave/sum_by_kind.h"
 
 namespace holotrace {
 
 namespace {
 
-FieldDouble sum_behind(const Sources& sources, const Grid& grid, const Observer& observer) {
+FieldDouble sum_kind(const Sources& sources, const Grid& grid, const Observer& observer) {
   FieldDouble field(grid, sources.wavelength);
   const int parts = panel_parts(sources);
   for (int part = 0; part < parts; ++part) {
@@ -50,8 +50,8 @@ FieldDouble sum_exact(const Sources& sources, const Grid& grid, const Observer& 
   check_grid(grid);
   check_sources(sources);
   check_field_fits(grid, sizeof(std::complex<double>));
-  return sum_both_sides(sources, observer,
-                        [&](const Sources& side, const Observer& o) { return sum_behind(side, grid, o); });
+  return sum_by_kind(sources, observer,
+                     [&](const Sources& kind, const Observer& o) { return sum_kind(kind, grid, o); });
 }
 
 }  // namespace holotrace

@@ -6,14 +6,14 @@
 
 namespace holotrace {
 
-/// Field on the panel of a set of spherical waves, summed one by one in double precision. Every faster method is
+/// Field on the panel of a set of waves, summed one by one in double precision. Every faster method is
 /// compared with this sum.
 ///
 ///     U(p) = Σⱼ aⱼ·d₀ⱼ/rⱼ(p)·exp(i(2π·rⱼ(p)/λ + φⱼ)),   rⱼ = ‖p − oⱼ‖,  p inside the box of j   (Eq. 7, 13)
 ///
-/// With tile amplitudes (TileAmplitudes), aⱼ is the amplitude in the tile that p lies in.
+/// Astigmatic waves have the field of AstigmaticWave. With tile amplitudes (TileAmplitudes), aⱼ is the amplitude in the tile that p lies in.
 ///
-/// @param sources  spherical waves at z < 0 or z > 0 [m]
+/// @param sources  waves from z < 0 or to z > 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)], within 1e-11 of the sum above
 /// @throws Error   for a source that is not finite or on the panel, naming it

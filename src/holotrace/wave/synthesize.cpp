@@ -10,13 +10,12 @@
 #include "holotrace/base/thread_count.h"
 #include "holotrace/data/params/check_ranges.h"
 #include "holotrace/opencl/device.h"
-#include "holotrace/wave/both_sides.h"
 #include "holotrace/wave/layers/sum_layers.h"
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
+#include "holotrace/wave/sum_by_kind.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/summation.h"
 
 namespace holotrace {
 namespace {
@@ -27,7 +26,7 @@ void for_each_wave(const Sources& sources, const Grid& grid, const Visit& visit)
   const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
   const int parts = panel_parts(sources);
   for (size_t i = 0; i < sources.waves.size(); ++i) {
-    const PixelBox box = lit_box(sources.waves[i], grid, tangent);
+    const PixelBox box = lit_box(sources, i, grid, tangent);
     if (sources.tiles.columns == 0) {
       visit(box.pixels());
       continue;
@@ -61,8 +60,9 @@ bool runs_on_devices(SynthesisMethod method) {
   return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled || method == SynthesisMethod::planes;
 }
 
-Approach approach_of(SynthesisMethod method) {
-  if (method == SynthesisMethod::tiled) return Approach::tiled;
+// Only tiles suit astigmatic waves.
+Approach approach_of(const Sources& sources, SynthesisMethod method) {
+  if (method == SynthesisMethod::tiled || !sources.second_foci.empty()) return Approach::tiled;
   return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
@@ -76,7 +76,7 @@ struct Place {
 // field's return counts.
 Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool returns) {
   if (!runs_on_devices(params.method)) return nullptr;
-  const Approach approach = approach_of(params.method);
+  const Approach approach = approach_of(sources, params.method);
   const auto seconds = [&](Device* device) {
     const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device, !returns});
     return forecast.method.empty() ? infinite : forecast.seconds;
@@ -86,10 +86,10 @@ Device* fastest_device_for(const Sources& sources, const Grid& grid, const Synth
   return fastest_device(on_processor, [&](Device& device) { return seconds(&device); });
 }
 
-// The devices that sum the waves; none: the processor does.
+// The devices that sum the waves; none: the processor does, as it does all astigmatic ones.
 std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                                  bool returns) {
-  if (params.device.kind == DeviceKind::cpu) return {};
+  if (params.device.kind == DeviceKind::cpu || !sources.second_foci.empty()) return {};
   if (params.device.kind == DeviceKind::automatic) {
     Device* const device = fastest_device_for(sources, grid, params, returns);
     return device ? std::vector<Device*>{device} : std::vector<Device*>();
@@ -113,7 +113,8 @@ SummedField sum_waves(const Sources& sources, const Grid& grid, const Synthesize
       return exact();
     case SynthesisMethod::tiled:
     case SynthesisMethod::planes:
-      return sum_within(sources, grid, params.tolerance, {approach_of(params.method), devices, stays}, observer);
+      return sum_within(sources, grid, params.tolerance, {approach_of(sources, params.method), devices, stays},
+                        observer);
     case SynthesisMethod::layers:
       observer.fact("method", std::string("layers"));
       return {sum_layers(sources, grid, params, observer)};
@@ -123,8 +124,8 @@ SummedField sum_waves(const Sources& sources, const Grid& grid, const Synthesize
       break;
   }
   double reachable = 0;
-  std::optional<SummedField> field =
-      try_sum(sources, grid, params.tolerance, {Approach::cheapest, devices, stays}, reachable, observer);
+  std::optional<SummedField> field = try_sum(
+      sources, grid, params.tolerance, {approach_of(sources, params.method), devices, stays}, reachable, observer);
   if (!field) {
     observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
                                      params.tolerance));
@@ -179,6 +180,19 @@ DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const Synth
   return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
 }
 
+SumForecast forecast_synthesis(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
+  const auto [behind, mirrored, astigmatic] = kinds_of(sources);
+  SumForecast all;
+  for (const Sources* kind : {&behind, &mirrored, &astigmatic}) {
+    if (kind->waves.empty()) continue;
+    const SumForecast one = forecast_sum(*kind, grid, params.tolerance, approach_of(*kind, params.method));
+    if (one.method.empty()) return {};
+    all.seconds += one.seconds;
+    if (all.method != "planes") all.method = one.method;
+  }
+  return all;
+}
+
 int64_t waves_pixels(const Sources& sources, const Grid& grid) {
   int64_t sum = 0;
   for_each_wave(sources, grid, [&](int64_t pixels) { sum += pixels; });
@@ -187,8 +201,8 @@ int64_t waves_pixels(const Sources& sources, const Grid& grid) {
 
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
   check_sources(sources);
-  return sum_both_sides(sources, observer, [&](const Sources& side, const Observer& of_side) {
-    return sum_where_chosen(side, grid, params, {}, of_side).field;
+  return sum_by_kind(sources, observer, [&](const Sources& kind, const Observer& of_kind) {
+    return sum_where_chosen(kind, grid, params, {}, of_kind).field;
   });
 }
 
@@ -199,7 +213,7 @@ PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid
     field.frame = from.frame;
     field.cone_wavelength = from.cone_wavelength;
   };
-  if (has_waves_in_front(*sources)) {
+  if (!are_from_behind(*sources)) {
     Field field = synthesize(*sources, grid, params, observer);
     label(*sources, field);
     return PlacedField(std::move(field));

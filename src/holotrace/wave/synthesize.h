@@ -8,6 +8,7 @@
 #include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/wave/shared/placed_field.h"
+#include "holotrace/wave/summation.h"
 
 namespace holotrace {
 
@@ -29,9 +30,10 @@ namespace holotrace {
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then
 /// that of the waves·pixels that they light.
 ///
-/// Waves that converge to points in front of the panel are summed apart, as those of their mirror image behind it.
+/// Waves that converge to points in front of the panel are summed apart, as those of their mirror image behind it. So are
+/// astigmatic ones: in tiles, whatever the method, or wave by wave; the method `layers` refuses them. They need no device.
 ///
-/// @param sources  spherical waves at z < 0 or z > 0 [m]
+/// @param sources  waves from z < 0 or to z > 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]
 /// @return         complex amplitude, shape (ny, nx) [√(W/m²)]
 /// @throws Error   for a device that is not there, or fails; for no sources, a source on the panel, or a tolerance outside (0, 1)
@@ -43,11 +45,15 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
 
 /// The same for a field that another stage takes, with the name, frame and cone of the sources. It stays on the device that
 /// sums it, if that has memory for it. Transfers: the waves, and 4 bytes per row for its energy. If the device `auto` fails
-/// later, the processor sums the waves again. With waves from in front of the panel, the field is on the processor.
+/// later, the processor sums the waves again. With waves from in front of the panel, or astigmatic ones, the field is on the
+/// processor.
 /// @param sources  kept for that, without a copy, as long as the field is only on the device
 /// @param returns  whether the caller needs the field on the processor, too: its return then counts for `auto`
 PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,
                               const Observer& observer = {}, bool returns = false);
+
+/// Forecast of `synthesize` on the processor, by the methods auto, tiled or planes, without the sum: the seconds of all waves.
+SumForecast forecast_synthesis(const Sources& sources, const Grid& grid, const SynthesizeParams& params);
 
 /// The name of a method in flags and scene files.
 std::string method_name(SynthesisMethod method);

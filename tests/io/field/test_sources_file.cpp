@@ -58,6 +58,23 @@ TEST(SourcesFile, KeysTilesNameAndFrameComeBackAsSaved) {
   EXPECT_EQ(read_text(path), bytes);
 }
 
+TEST(SourcesFile, SecondFociComeBackAsSaved) {
+  const std::string path = temporary("s.ply");
+  Sources sources = some_sources;
+  sources.tiles = {1, 1, {3, 4}};
+  sources.second_foci = {{{1e-3, -2e-3, -0.41234567890123}, {0.6, 0.8, 0}}, {}};
+  save_sources(path, sources);
+  const Sources loaded = load_sources(path);
+  EXPECT_EQ(loaded.second_foci, sources.second_foci);
+  EXPECT_EQ(loaded.waves, sources.waves);
+  EXPECT_EQ(loaded.tiles, sources.tiles);
+  sources.second_foci.front().line = {0, 1, 1};
+  EXPECT_EQ(
+      error_of([&] { save_sources(path, sources); }),
+      "expected the focal line of source 0 as a unit vector at right angles to the way from its origin to its second focus, "
+      "got (0, 1, 1)");
+}
+
 TEST(SourcesFile, WrongKeysAndTilesAreRefused) {
   const std::string path = temporary("s.ply");
   Sources sources = some_sources;

@@ -231,6 +231,21 @@ TEST(Accelerator, RandomRaysMeetTheSameSurfacesAsAimedOnes) {
   EXPECT_GT(hits, 10'000);
 }
 
+// A point 5 mm in front of the panel, at x = 1 mm, is seen through the panel's middle by viewers at x = 2 mm, z = 10 mm and beyond.
+TEST(Accelerator, WhatIsBeforeAPointInFrontOfThePanelHidesIt) {
+  const auto is_hidden = [](double x, double z) {
+    Scene scene;
+    scene.materials = {grey(0.5)};
+    scene.meshes = {make_test_quad({x, 0, z}, {0.3_mm, 0, 0}, {0, 0.3_mm, 0}),
+                    make_test_quad({30_mm, 0, 12_mm}, {0.3_mm, 0, 0}, {0, 0.3_mm, 0})};
+    return Accelerator(scene).is_hidden({}, {1_mm, 0, 5_mm});
+  };
+  EXPECT_TRUE(is_hidden(2_mm, 10_mm));
+  EXPECT_FALSE(is_hidden(0, 10_mm));
+  EXPECT_FALSE(is_hidden(0.5_mm, 2.5_mm));  // between panel and point: the viewer is on the other side
+  EXPECT_FALSE(is_hidden(-1_mm, -5_mm));
+}
+
 TEST(Accelerator, RefusesWhatItCannotTrace) {
   Scene scene;
   scene.materials = {grey(0.5)};

@@ -46,6 +46,13 @@ double reflected_share(const Material& mirror, Vec3 image) {
   return 0;
 }
 
+// The image of a lamp behind the mirror is before it: no light comes from there.
+TEST(FlatMirrors, ReflectNoLightOfLampsBehindThem) {
+  Scene scene = make_wall_beside_mirror(ConductorMaterial{});
+  scene.lights = {PointLight{{-30_mm, 5_mm, -0.27}, {1, 1, 1}}};
+  EXPECT_EQ(radiance_at_origin(scene), 0);  // the mirror hides the lamp itself
+}
+
 TEST(FlatMirrors, ShowLampsAsTheirImages) {
   const Vec3 lamp{10_mm, 5_mm, -0.27}, image{-50_mm, 5_mm, -0.27};
   for (const Material& mirror : {Material(ConductorMaterial{}), Material(DielectricMaterial{.is_thin = true})}) {

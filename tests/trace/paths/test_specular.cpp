@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/astigmatic_wave.h"
 #include "holotrace/data/shapes.h"
+#include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/paths/specular.h"
 #include "holotrace/trace/shared/sampling.h"
 #include "holotrace/trace/trace.h"
@@ -184,6 +186,152 @@ TEST(Specular, AConcaveMirrorsRealImageIsInFrontOfThePanel) {
   // At its focus, 100 mm in front of it, the light is parallel.
   scene.meshes[1] = make_test_quad({-1_mm, 0, -0.1}, {1_mm, 0, 0}, {0, 1_mm, 0}, 0);
   EXPECT_TRUE(leaf_of(scene, {{4_mm, 0, 0}, view_direction(-0.005, 0)}, "r").is_far);
+}
+
+/// Places along a ray of the two images of what is at `object` from a mirror of radius 100 mm that turns light by twice `angle`, seen
+/// from 200 mm away: 1/s + 1/t = 2/(R cos i) across the plane of incidence's line, 2 cos i/R in it (Coddington, 1829).
+struct MirrorImages {
+  double tangential, sagittal;
+};
+MirrorImages images_by_coddington(double object, double angle) {
+  const double r = 100_mm, c = std::cos(angle);
+  return {0.2 - 1 / (2 / (r * c) - 1 / object), 0.2 - 1 / (2 * c / r - 1 / object)};
+}
+
+/// A concave mirror, of facets of 2 µm that lean by 1e-5 from the sphere, which a ray along −z meets at z = −0.2 m at `angle`, and a wall at `object` from there, square to the light.
+Scene make_oblique_mirror_scene(double object, double angle, double half_width = 0.2_mm) {
+  const Vec3 normal{std::sin(angle), 0, std::cos(angle)}, way{std::sin(2 * angle), 0, std::cos(2 * angle)};
+  const Vec3 way_across{-way.z, 0, way.x};
+  Mesh cap = make_cap({0, 0, 100_mm}, 100_mm, -1, half_width, 1);  // its pole at the origin
+  transform_mesh({{normal.z, 0, -normal.x}, {0, 1, 0}, normal, {0, 0, -0.2}}, cap);
+  Scene scene;
+  scene.materials = {grey(0.5, 1), mirror()};
+  scene.meshes = {
+      make_test_quad(Vec3{0, 0, -0.2} + way * object, way_across * (0.35 * object), {0, 0.35 * object, 0}, 0), cap};
+  return scene;
+}
+
+TEST(Specular, ObliqueMirrorsHaveTheFocalLinesOfCoddington) {
+  for (const double angle : {30_deg, 45_deg, 60_deg})
+    for (const double object : {300_mm, 40_mm}) {
+      const SpecularLeaf leaf = leaf_of(make_oblique_mirror_scene(object, angle), {{}, {0, 0, -1}}, "r");
+      ASSERT_TRUE(leaf.lines.has_value());
+      const auto [tangential, sagittal] = images_by_coddington(object, angle);
+      const bool is_first = std::abs(tangential) > std::abs(sagittal);
+      // Images far from the mirror move by more than the mirror's power is off: compared as vergences there, 1/t.
+      const double tolerance = 1e-4 * 2 / (100_mm * std::cos(angle));
+      const auto vergence = [](double distance) { return 1 / (0.2 - distance); };
+      EXPECT_NEAR(vergence(leaf.lines->first), vergence(is_first ? tangential : sagittal), tolerance);
+      EXPECT_NEAR(vergence(leaf.lines->second), vergence(is_first ? sagittal : tangential), tolerance);
+      if (object == 300_mm) {
+        EXPECT_NEAR(leaf.lines->first / (is_first ? tangential : sagittal), 1, 1e-4);
+        EXPECT_NEAR(leaf.lines->second / (is_first ? sagittal : tangential), 1, 1e-4);
+      }
+      // The tangential focal line is at right angles to the plane of incidence, the sagittal one in it.
+      EXPECT_NEAR(std::abs(is_first ? leaf.lines->line.y : leaf.lines->line.x), 1, 1e-4);
+    }
+}
+
+// A lens that is flat behind and round along x in front, R = 30 mm, n = 1.5, 4 mm thick. With V = (n − 1)/R − n/(na + t) for an object
+// a behind it, 1/V is the distance of the image across the cylinder; along it the glass lifts it to (na + t)/n.
+TEST(Specular, ACylinderLensHasTwoFocalLines) {
+  constexpr double n = 1.5, radius = 30_mm, thick = 4_mm, vertex = -50_mm;
+  Mesh front = make_cap({0, 0, vertex - radius}, radius, 1, 4_mm, 1);
+  for (size_t i = 0; i < front.positions.size(); ++i) {
+    Vec3 &p = front.positions[i], &normal = front.normals[i];
+    p.z = vertex - radius + std::sqrt(radius * radius - p.x * p.x);
+    normal = Vec3{p.x, 0, p.z - vertex + radius} / radius;
+  }
+  for (const double object : {20_mm, 200_mm}) {
+    Scene scene;
+    scene.materials = {grey(0.5, 1), glass(n)};
+    scene.meshes = {make_wall(vertex - thick - object, 50_mm, 50_mm), front,
+                    make_test_quad({0, 0, vertex - thick}, {0, 4_mm, 0}, {4_mm, 0, 0}, 1)};
+    const SpecularLeaf leaf = leaf_of(scene, {{}, {0, 0, -1}}, "tt");
+    ASSERT_TRUE(leaf.lines.has_value());
+    const double power = (n - 1) / radius - n / (n * object + thick);
+    const double across = -vertex - 1 / power, along = -vertex + (n * object + thick) / n;
+    const bool is_first = std::abs(across) > std::abs(along);
+    EXPECT_NEAR(leaf.lines->first / (is_first ? across : along), 1, 1e-4) << object;
+    EXPECT_NEAR(leaf.lines->second / (is_first ? along : across), 1, 1e-4) << object;
+    EXPECT_NEAR(std::abs(is_first ? leaf.lines->line.y : leaf.lines->line.x), 1, 1e-6) << object;
+  }
+}
+
+// The whole way: sources of a tracing have on the panel the optical paths of Fermat's principle, searched over the sphere itself, to
+// the third order; a spherical wave would be wrong by a third of a wave.
+TEST(Specular, SourcesBehindObliqueMirrorsHaveFermatsPaths) {
+  const double angle = 45_deg, object = 300_mm, r = 100_mm;
+  const Scene scene = make_oblique_mirror_scene(object, angle);
+  const Vec3 pole{0, 0, -0.2}, centre = pole + Vec3{std::sin(angle), 0, std::cos(angle)} * r,
+                               lit = pole + Vec3{object, 0, 0};
+  const Frame cap{{std::cos(angle), 0, -std::sin(angle)}, {0, 1, 0}, {std::sin(angle), 0, std::cos(angle)}, {}};
+  const auto path = [&](Vec3 place) {
+    const auto at = [&](double u, double v) {
+      const Vec3 m = centre + (cap.x * u + cap.y * v - cap.z * std::sqrt(r * r - u * u - v * v));
+      return length(m - place) + length(m - lit);
+    };
+    double u = 0, v = 0;  // Newton's method on central differences
+    constexpr double h = 1e-5;
+    for (int step = 0; step < 20; ++step) {
+      const double fu = (at(u + h, v) - at(u - h, v)) / (2 * h), fv = (at(u, v + h) - at(u, v - h)) / (2 * h);
+      const double uu = (at(u + h, v) - 2 * at(u, v) + at(u - h, v)) / (h * h);
+      const double vv = (at(u, v + h) - 2 * at(u, v) + at(u, v - h)) / (h * h);
+      u -= fu / uu, v -= fv / vv;
+    }
+    return at(u, v);
+  };
+  const Grid panel{128, 128, 8e-6};
+  const TraceParams params{.columns = 1, .rows = 1, .field_of_view = 0.002, .paths = 1, .phase = SourcePhase::path};
+  const Sources sources = trace(scene, panel, green_light, params);
+  ASSERT_EQ(sources.waves.size(), 1u);
+  ASSERT_EQ(sources.second_foci.size(), 1u);
+  const AstigmaticWave wave(sources.waves[0].origin, sources.second_foci[0]);
+  const SpecularLeaf leaf = leaf_of(scene, {{}, {0, 0, -1}}, "r");
+  double worst = 0, worst_of_sphere = 0;
+  for (const double x : {-0.5_mm, 0.0, 0.5_mm})
+    for (const double y : {-0.5_mm, 0.0, 0.5_mm}) {
+      const double gain = path({x, y, 0}) - path({});
+      const double sphere = std::copysign(std::hypot(x, y, leaf.distance), leaf.distance) - leaf.distance;
+      worst = std::max(worst, std::abs(wave.at({x, y, 0}).path - wave.at({}).path - gain));
+      worst_of_sphere = std::max(worst_of_sphere, std::abs(sphere - gain));
+    }
+  EXPECT_LT(worst, green_light / 20);
+  EXPECT_GT(worst_of_sphere, green_light / 4);
+}
+
+// The energy of the panel's light is the same whether waves are astigmatic or, on a panel too small to tell, spherical: L times
+// étendue over the panel's area.
+TEST(Specular, AstigmaticSourcesCarryTheLightOfTheirRays) {
+  const Scene scene = make_oblique_mirror_scene(300_mm, 45_deg, 12_mm);
+  for (const Pattern pattern : {Pattern::grid, Pattern::random}) {
+    TraceParams params{.columns = 3, .rows = 3, .field_of_view = 0.002, .paths = 1, .phase = SourcePhase::path};
+    params.pattern = pattern;
+    params.samples = 64;
+    const Grid panel{128, 128, 8e-6};
+    const Sources sources = trace(scene, panel, green_light, params);
+    ASSERT_FALSE(sources.second_foci.empty());
+    double power = 0;
+    for (size_t i = 0; i < sources.waves.size(); ++i) {
+      const SecondFocus second = sources.second_foci[i];
+      WaveShape shape{sources.waves[i].origin};
+      if (second.is_astigmatic()) shape.astigmatic.emplace(sources.waves[i].origin, second);
+      const auto lit = shape.lit(acceptance_tangent(green_light, panel.pitch));
+      double mean = 0;  // over the panel
+      for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x) {
+          const Vec3 place{panel.x(8 * x + 3.5), panel.y(8 * y + 3.5), 0};
+          if (lit.contains(place)) mean += std::pow(shape.modulus(place), 2) / 256;
+        }
+      power += std::pow(sources.waves[i].amplitude, 2) * mean;
+    }
+    // The wall's radiance is 1, the mirror's reflectance that of the leaf; the rays' solid angle is that of the raster (0.004², cos⁴
+    // ≈ 1) or of the acceptance, (2 sin)².
+    const double sine = acceptance_sine(green_light, panel.pitch);
+    const double weight = leaf_of(scene, {{}, {0, 0, -1}}, "r").weight.x;
+    const double solid = pattern == Pattern::grid ? 0.004 * 0.004 : 4 * sine * sine * double(sources.waves.size()) / 64;
+    EXPECT_NEAR(power / (weight * solid), 1, 0.03) << "reflectance over 5°; boxes by 16 × 16 places";
+  }
 }
 
 // Radii of 100 mm, 5 mm thick, n = 1.7, its middle at z = −100 mm; an object 120 mm behind the middle. By Gauss's formula for

@@ -27,12 +27,14 @@ TEST(MergeWaves, AmplitudesAddUpInPowerInEveryTileAndThePlaceIsTheMostCentral) {
   TracedWaves waves;
   waves.waves = {{{0, 0, -0.1}, 3, 1}, {{1, 0, -1}, 7, 2}, {{1e-6, 0, -0.1}, 4, 3}, {{2e-6, 0, -0.1}, 12, 4}};
   waves.keys = {5, 6, 5, 5};
-  waves.cells = {{5, 3e-6}, {}, {5, 1e-6}, {5, 2e-6}};
+  waves.cells = {{5, 3e-6, {0, 0, -0.1}}, {}, {5, 1e-6, {0, 0, -0.1}}, {5, 2e-6, {0, 0, -0.1}}};
+  waves.second_foci = {{}, {}, {{0, 0, -0.2}, {1, 0, 0}}, {{0, 0, -0.3}, {1, 0, 0}}};
   waves.tiles = {3, 0, 7, 7, 4, 1, 12, 0};
   merge_waves(waves, 8e-6, 2);
   ASSERT_EQ(waves.waves.size(), 2u);
   EXPECT_EQ(waves.waves[0], (Source{{1e-6, 0, -0.1}, 13, 3}));  // √(3² + 4² + 12²)
   EXPECT_EQ(waves.waves[1], (Source{{1, 0, -1}, 7, 2}));
+  EXPECT_EQ(waves.second_foci, (std::vector<SecondFocus>{{{0, 0, -0.2}, {1, 0, 0}}, {}}));
   EXPECT_EQ(waves.keys, (std::vector<uint64_t>{5, 6}));
   EXPECT_EQ(waves.tiles, (std::vector<float>{13, 1, 7, 7}));
 }
@@ -42,7 +44,8 @@ TEST(MergeWaves, WavesAloneAndImagesApartStayApart) {
   // Two waves alone; two of one cell 1 mm apart at 0.1 m, where 8 cells are 64 µm: images by two mirrors.
   waves.waves = {{{0, 0, -0.1}, 1, 0}, {{0, 0, -0.1}, 1, 0}, {{0, 0, -0.1}, 1, 0}, {{1_mm, 0, -0.1}, 1, 0}};
   waves.keys = {1, 2, 3, 3};
-  waves.cells = {{}, {}, {3, 0}, {3, 0}};
+  waves.cells = {{}, {}, {3, 0, {0, 0, -0.1}}, {3, 0, {1_mm, 0, -0.1}}};
+  waves.second_foci.resize(4);
   merge_waves(waves, 8e-6, 0);
   EXPECT_EQ(waves.waves.size(), 4u);
 }

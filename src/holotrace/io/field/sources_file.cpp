@@ -54,6 +54,24 @@ std::vector<uint64_t> phase_keys_of(const PlyVertices& vertices) {
   return keys;
 }
 
+constexpr const char* focus_columns[] = {"second_focus_x", "second_focus_y", "second_focus_z",
+                                         "focal_line_x",   "focal_line_y",   "focal_line_z"};
+
+std::vector<SecondFocus> second_foci_of(const PlyVertices& vertices) {
+  if (!vertices.find(focus_columns[0])) return {};
+  std::vector<SecondFocus> foci(vertices.count);
+  const auto read = [&](int column, double Vec3::*part, Vec3 SecondFocus::*of) {
+    const auto& values = vertices.column(focus_columns[column]);
+    for (size_t i = 0; i < foci.size(); ++i) foci[i].*of.*part = values[i];
+  };
+  double Vec3::*const parts[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+  for (int i = 0; i < 3; ++i) {
+    read(i, parts[i], &SecondFocus::place);
+    read(3 + i, parts[i], &SecondFocus::line);
+  }
+  return foci;
+}
+
 TileAmplitudes tiles_of(const PlyVertices& vertices) {
   TileAmplitudes tiles;
   const auto text = comment_of(vertices, "tiles");
@@ -92,6 +110,8 @@ std::string header_of(const Sources& sources) {
       "property float phase\n",
       sources.waves.size());
   if (!sources.phase_keys.empty()) text += "property uint phase_key_low\nproperty uint phase_key_high\n";
+  if (!sources.second_foci.empty())
+    for (const char* column : focus_columns) text += fmt::format("property double {}\n", column);
   for (int tile = 0; tile < tiles.columns * tiles.rows; ++tile)
     text += fmt::format("property float amplitude_{}\n", tile);
   return text + "end_header\n";
@@ -108,7 +128,7 @@ void save_sources(const std::string& path, const Sources& sources, const FileRec
     bytes.insert(bytes.find("element vertex"), fmt::format("comment {}\n", record_line(path, record)));
   const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
   const size_t count = sources.waves.size(), tiles = size_t(sources.tiles.columns) * size_t(sources.tiles.rows);
-  bytes.reserve(bytes.size() + count * (40 + 4 * tiles));
+  bytes.reserve(bytes.size() + count * (88 + 4 * tiles));
   for (size_t i = 0; i < count; ++i) {
     const Source& s = sources.waves[i];
     for (const double x : {s.origin.x, s.origin.y, s.origin.z}) put(x);
@@ -117,6 +137,10 @@ void save_sources(const std::string& path, const Sources& sources, const FileRec
     if (!sources.phase_keys.empty()) {
       put(uint32_t(sources.phase_keys[i]));
       put(uint32_t(sources.phase_keys[i] >> 32));
+    }
+    if (!sources.second_foci.empty()) {
+      const auto& [place, line] = sources.second_foci[i];
+      for (const double x : {place.x, place.y, place.z, line.x, line.y, line.z}) put(x);
     }
     for (size_t tile = 0; tile < tiles; ++tile) put(sources.tiles.values[tile * count + i]);
   }
@@ -150,6 +174,7 @@ Sources load_sources(const std::string& path, double default_wavelength) {
   for (size_t i = 0; i < vertices.count; ++i)
     sources.waves[i] = {{x[i], y[i], z[i]}, float(amplitude[i]), float(phase[i])};
   sources.phase_keys = phase_keys_of(vertices);
+  sources.second_foci = second_foci_of(vertices);
   sources.tiles = tiles_of(vertices);
   try {
     check_sources(sources);

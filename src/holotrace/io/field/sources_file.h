@@ -10,7 +10,9 @@ namespace holotrace {
 /// Writes waves as a binary little-endian PLY file: `double x y z` in metres, `float amplitude` in
 /// √(W/m²), `float phase` in radians, and the wavelength in metres as `comment wavelength_m …`. If the waves have
 /// them, also: `comment name …`; random phase keys as `uint phase_key_low phase_key_high`, with `comment seed …` and
-/// `comment frame …`; amplitudes per tile as `comment tiles COLUMNS ROWS` and `float amplitude_0 amplitude_1 …`.
+/// `comment frame …`; amplitudes per tile as `comment tiles COLUMNS ROWS` and `float amplitude_0 amplitude_1 …`; second
+/// foci as `double second_focus_x second_focus_y second_focus_z` in metres and `double focal_line_x focal_line_y focal_line_z`, 0
+/// for spherical waves.
 /// @throws Error where check_sources and write_atomically throw, for a name of several lines, and if the numbers of
 ///         keys or amplitudes do not match the number of waves
 /// @param record  files that belong to this one, as the next call must know them (record_in_text); none: no record

@@ -6,7 +6,6 @@
 #include "holotrace/base/random.h"
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/wave/layers/sum_layers.h"
-#include "holotrace/wave/summation.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -16,6 +15,7 @@ namespace {
 Sources repeat(const Sources& from, const std::vector<size_t>& copies, double spacing) {
   Sources to = from;
   to.waves.clear();
+  to.second_foci.clear();
   to.phase_keys.clear();
   std::vector<size_t> origins;
   for (size_t i = 0; i < copies.size(); ++i)
@@ -28,6 +28,10 @@ Sources repeat(const Sources& from, const std::vector<size_t>& copies, double sp
         wave.phase = float(6.283 * random.uniform());
       }
       to.waves.push_back(wave);
+      if (!from.second_foci.empty()) {
+        to.second_foci.push_back(from.second_foci[i]);
+        to.second_foci.back().place += wave.origin - from.waves[i].origin;
+      }
       origins.push_back(i);
       if (!from.phase_keys.empty()) to.phase_keys.push_back(from.phase_keys[i]);
     }
@@ -37,12 +41,6 @@ Sources repeat(const Sources& from, const std::vector<size_t>& copies, double sp
     for (size_t i = 0; i < origins.size(); ++i)
       to.tiles.values[t * origins.size() + i] = from.tiles.values[t * from.waves.size() + origins[i]];
   return to;
-}
-
-Approach approach_of(SynthesisMethod method) {
-  return method == SynthesisMethod::tiled    ? Approach::tiled
-         : method == SynthesisMethod::planes ? Approach::planes
-                                             : Approach::cheapest;
 }
 
 bool has_forecast(SynthesisMethod method) {
@@ -59,7 +57,8 @@ Grid middle_of(const Grid& panel, double part) {
 }  // namespace
 
 Sources in_the_small(Sources sources, double side) {
-  for (Source& wave : sources.waves) wave.origin = wave.origin * side;
+  for (Source& wave : sources.waves) wave.origin *= side;
+  for (SecondFocus& focus : sources.second_foci) focus.place *= side;
   return sources;
 }
 
@@ -94,8 +93,7 @@ SynthesisProbe::SynthesisProbe(const Job& whole, std::vector<Sources> all) : job
       slices.back() = params.slices > 0 ? params.slices : double(slice_count(set, job.slm.grid, params));
     if (!has_forecast(params.method)) continue;
     SumForecast sum;
-    planning +=
-        median_seconds(1, [&] { sum = forecast_sum(set, job.slm.grid, params.tolerance, approach_of(params.method)); });
+    planning += median_seconds(1, [&] { sum = forecast_synthesis(set, job.slm.grid, params); });
     forecast += sum.seconds;
     method = sum.method.empty() ? method_name(SynthesisMethod::exact) : sum.method;  // if no plan meets it
   }
@@ -132,8 +130,7 @@ ProbeResult SynthesisProbe::run(double part) {
   ProbeResult result;
   SumForecast expected;
   double plans = 0;
-  if (forecast > 0)
-    plans = median_seconds(1, [&] { expected = forecast_sum(some, panel, same.tolerance, approach_of(same.method)); });
+  if (forecast > 0) plans = median_seconds(1, [&] { expected = forecast_synthesis(some, panel, same); });
   const double taken = median_seconds(1, [&] { synthesize(some, panel, same); });
   result.seconds = plans + taken;
   if (forecast > 0) {

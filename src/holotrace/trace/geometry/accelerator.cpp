@@ -332,9 +332,7 @@ Ray Accelerator::from_viewer(Ray ray) const {
 bool Accelerator::is_hidden(Vec3 place, Vec3 point) const {
   if (front_ == 0 || place.z != 0) return is_occluded(place, point);
   const Vec3 way = normalize(point.z < 0 ? point - place : place - point);
-  const Vec3 viewer = from_viewer({place, way}).origin;
-  // A point beyond all surfaces has nothing before it.
-  return viewer.z > point.z && is_occluded(viewer, point);
+  return is_occluded(from_viewer({place, way}).origin, point);
 }
 
 double Accelerator::rounding_at_end(const Ray& ray, double distance) const {

@@ -100,34 +100,49 @@ std::optional<Ray> FirstHits::random_ray(int64_t index, CounterRandom& random) c
   return Ray{{(place.x - 0.5) * panel_.width(), (0.5 - place.y) * panel_.height(), 0}, *direction};
 }
 
-double FirstHits::squared_amplitude(const Ray& ray, Vec3 origin, double wavelength) const {
-  const PixelBox whole{0, panel_.nx, 0, panel_.ny};
-  return squared_amplitude(ray, origin, wavelength, {&whole, 1});
+AstigmaticWave::Lit WaveShape::lit(double tangent) const {
+  if (astigmatic) return astigmatic->lit(tangent);
+  const double radius = std::abs(origin.z) * tangent;
+  return {{origin.x, origin.y, 0}, radius, radius};
 }
 
-double FirstHits::squared_amplitude(const Ray& ray, Vec3 origin, double wavelength,
+double WaveShape::modulus(Vec3 place) const {
+  return astigmatic ? astigmatic->at(place).modulus : std::abs(origin.z) / length(place - origin);
+}
+
+double FirstHits::squared_amplitude(const Ray& ray, const WaveShape& shape, double wavelength) const {
+  const PixelBox whole{0, panel_.nx, 0, panel_.ny};
+  return squared_amplitude(ray, shape, wavelength, {&whole, 1});
+}
+
+double FirstHits::squared_amplitude(const Ray& ray, const WaveShape& shape, double wavelength,
                                     std::span<const PixelBox> visible) const {
   if (pattern_ == Pattern::grid) {
     const double cell = 2 * tangent_ / columns_ * (2 * tangent_ / rows_), cosine = -ray.direction.z;
-    return cell * cosine * cosine;
+    const double modulus = shape.astigmatic ? shape.modulus(ray.origin) : cosine;
+    return cell * std::pow(cosine, 4) / (modulus * modulus);
   }
   if (!is_accepted(ray.direction, panel_, wavelength)) return 0;
   const double limit = acceptance_sine(wavelength_, panel_.pitch);
   const double etendue = panel_.width() * panel_.height() * 4 * limit * limit;
   double power = 0;
-  for (const PixelBox& part : visible) power += power_on(origin, wavelength, part);
+  for (const PixelBox& part : visible) power += power_on(shape, wavelength, part);
   return power > 0 ? etendue / double(count_) / power : 0;
 }
 
 /// Power of a wave of unit amplitude on a part of the panel, inside its box [m²].
-double FirstHits::power_on(Vec3 origin, double wavelength, const PixelBox& part) const {
-  const double depth = std::abs(origin.z), radius = box_radius(depth, wavelength, panel_.pitch),
-               edge = panel_.pitch / 2;
-  const double x0 = std::max(panel_.x(part.x0) - edge - origin.x, -radius);
-  const double x1 = std::min(panel_.x(part.x1 - 1) + edge - origin.x, radius);
-  const double y0 = std::max(panel_.y(part.y1 - 1) - edge - origin.y, -radius);
-  const double y1 = std::min(panel_.y(part.y0) + edge - origin.y, radius);
-  return x1 > x0 && y1 > y0 ? wave_power(depth, x0, x1, y0, y1) : 0;
+double FirstHits::power_on(const WaveShape& shape, double wavelength, const PixelBox& part) const {
+  const auto [foot, reach_x, reach_y] = shape.lit(acceptance_tangent(wavelength, panel_.pitch));
+  const double edge = panel_.pitch / 2;
+  const double x0 = std::max(panel_.x(part.x0) - edge - foot.x, -reach_x);
+  const double x1 = std::min(panel_.x(part.x1 - 1) + edge - foot.x, reach_x);
+  const double y0 = std::max(panel_.y(part.y1 - 1) - edge - foot.y, -reach_y);
+  const double y1 = std::min(panel_.y(part.y0) + edge - foot.y, reach_y);
+  if (!(x1 > x0 && y1 > y0)) return 0;
+  if (!shape.astigmatic) return wave_power(std::abs(shape.origin.z), x0, x1, y0, y1);
+  return integrate(x0, x1, [&](double x) {
+    return integrate(y0, y1, [&](double y) { return std::pow(shape.modulus({foot.x + x, foot.y + y, 0}), 2); });
+  });
 }
 
 }  // namespace holotrace

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "holotrace/base/random.h"
+#include "holotrace/data/astigmatic_wave.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/panel_tiles.h"
 #include "holotrace/data/params/trace.h"
@@ -30,6 +31,17 @@ bool is_accepted(Vec3 direction, const Grid& panel, double wavelength);
 /// is_accepted is false or if it is outside the unit disc.
 std::optional<Vec3> accepted_direction(double x, double y, const Grid& panel, double wavelength);
 
+/// The shape of a source's wave: a sphere around its origin or, if it is given, an astigmatic one.
+struct WaveShape {
+  Vec3 origin;
+  std::optional<AstigmaticWave> astigmatic{};
+
+  /// The part of the panel's plane that it lights within an acceptance tangent.
+  AstigmaticWave::Lit lit(double tangent) const;
+  /// |U/a| at a place of the panel's plane.
+  double modulus(Vec3 place) const;
+};
+
 /// The rays from the panel whose first hits become sources, and the light that each represents.
 /// Formulas: trace.h.
 class FirstHits {
@@ -43,18 +55,19 @@ class FirstHits {
   /// Ray `index`; none if the panel's box rejects it. Draws from `random` for a random pattern.
   std::optional<Ray> ray(int64_t index, CounterRandom& random) const;
 
-  /// Squared amplitude per radiance, a²/L [sr], of the source at `origin` that `ray` found, at one of the
-  /// wavelengths. For a random pattern 0 if that wavelength's acceptance does not contain the ray.
-  double squared_amplitude(const Ray& ray, Vec3 origin, double wavelength) const;
+  /// Squared amplitude per radiance, a²/L [sr], of the source that `ray` found, at one of the wavelengths. For a random pattern 0
+  /// if that wavelength's acceptance does not contain the ray.
+  /// @param visible  the parts of the panel that see the source: in a random pattern its rays come from these, and share its light
+  double squared_amplitude(const Ray& ray, const WaveShape& shape, double wavelength,
+                           std::span<const PixelBox> visible) const;
 
-  /// The same for a source that only these parts of the panel see. In a random pattern its rays come from these parts,
-  /// and they share its light.
-  double squared_amplitude(const Ray& ray, Vec3 origin, double wavelength, std::span<const PixelBox> visible) const;
+  /// The same for a source that all of the panel sees.
+  double squared_amplitude(const Ray& ray, const WaveShape& shape, double wavelength) const;
 
  private:
   std::optional<Ray> raster_ray(int64_t index) const;
   std::optional<Ray> random_ray(int64_t index, CounterRandom& random) const;
-  double power_on(Vec3 origin, double wavelength, const PixelBox& part) const;
+  double power_on(const WaveShape& shape, double wavelength, const PixelBox& part) const;
 
   Pattern pattern_;
   Grid panel_;

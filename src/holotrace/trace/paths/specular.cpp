@@ -87,10 +87,15 @@ std::optional<RayEnd> retrace(const Scene& scene, const SpecularLeaf& leaf, Ray 
   return end;
 }
 
-/// Curvature tr C of the wavefront at the ray's origin [1/m], positive if it diverges; none if the chain
-/// cannot be traced for slightly displaced rays.
-std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLeaf& leaf, const Ray& ray,
-                                           const RayEnd& end) {
+/// Curvature C of the wavefront at the ray's origin [1/m], positive if it diverges, in the axes x and y across the ray.
+struct Curvature {
+  double xx, xy, yy;
+  Vec3 x, y;
+  double twice_mean() const { return xx + yy; }
+};
+
+/// None if the chain cannot be traced for slightly displaced rays.
+std::optional<Curvature> curvature_of(const Scene& scene, const SpecularLeaf& leaf, const Ray& ray, const RayEnd& end) {
   const double reach = std::max(std::abs(end.optical_path), 1e-6), step = 1e-6;  // of the reach, and in radians
   const Frame across = frame_from_normal(ray.direction);
   const Frame screen =
@@ -109,7 +114,25 @@ std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLea
   if (!q1 || !q2 || !d1 || !d2) return std::nullopt;
   const double determinant = d1->x * d2->y - d2->x * d1->y;
   if (determinant == 0) return std::nullopt;
-  return (d2->y * q1->x - d2->x * q1->y + d1->x * q2->y - d1->y * q2->x) / determinant;
+  const auto solved = [&](Vec2 q) {
+    return Vec2{(d2->y * q.x - d2->x * q.y) / determinant, (d1->x * q.y - d1->y * q.x) / determinant};
+  };
+  const Vec2 c1 = solved(*q1), c2 = solved(*q2);
+  return Curvature{c1.x, (c1.y + c2.x) / 2, c2.y, across.x, across.y};  // symmetric but for rounding
+}
+
+FocalLines lines_of(const Curvature& c) {
+  const double mean = c.twice_mean() / 2, difference = std::hypot((c.xx - c.yy) / 2, c.xy);
+  // The direction of the greater curvature; the focal line of the other one lies along it.
+  const double angle = std::atan2(2 * c.xy, c.xx - c.yy) / 2;
+  const Vec3 greater = c.x * std::cos(angle) + c.y * std::sin(angle),
+             less = c.y * std::cos(angle) - c.x * std::sin(angle);
+  const auto distance = [](double curvature) {
+    return std::abs(curvature) > 1 / farthest_origin ? 1 / curvature : farthest_origin;
+  };
+  const double of_greater = distance(mean + difference), of_less = distance(mean - difference);
+  if (std::abs(of_less) >= std::abs(of_greater)) return {of_less, of_greater, greater};
+  return {of_greater, of_less, less};
 }
 
 /// Moves the leaf to the end of the chain traced in double, and computes its apparent distance.
@@ -124,9 +147,10 @@ void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
     leaf.distance = leaf.optical_path;
     return;
   }
-  const auto curvature = end ? twice_mean_curvature(scene, leaf, ray, *end) : std::nullopt;
-  leaf.is_far = !(curvature && std::abs(*curvature) > 2 / farthest_origin);
-  leaf.distance = leaf.is_far ? farthest_origin : 2 / *curvature;
+  const auto curvature = end ? curvature_of(scene, leaf, ray, *end) : std::nullopt;
+  leaf.is_far = !(curvature && std::abs(curvature->twice_mean()) > 2 / farthest_origin);
+  leaf.distance = leaf.is_far ? farthest_origin : 2 / curvature->twice_mean();
+  if (curvature) leaf.lines = lines_of(*curvature);
   if (leaf.kind == LeafKind::beyond) leaf.optical_path = leaf.distance;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "holotrace/trace/geometry/accelerator.h"
@@ -21,6 +22,13 @@ struct SpecularVertex {
 /// away (beyond).
 enum class LeafKind { surface, glow, light, beyond };
 
+/// The focal lines of a wavefront with two curvatures, on a ray from the panel. Distances are from the ray's origin along it [m];
+/// < 0: the light converges. Curvatures below 1/farthest_origin count as that.
+struct FocalLines {
+  double first = 0, second = 0;  ///< |first| ≥ |second|
+  Vec3 line;                     ///< unit vector along the first one, at right angles to the ray and the second one
+};
+
 /// Start of a wavefront that reaches the panel by mirrors and glass: at a surface that scatters or emits, or infinitely
 /// far away.
 struct SpecularLeaf {
@@ -32,6 +40,7 @@ struct SpecularLeaf {
   double optical_path = 0;  ///< Σ n·d from the ray's origin to the surface [m]
   double distance = 0;      ///< R, from the ray's origin along it to the origin of the wavefront [m]; < 0: it converges
   bool is_far = false;      ///< whether R was set to farthest_origin (parallel wavefront)
+  std::optional<FocalLines> lines;    ///< behind mirrors and glass, if the chain can be traced for displaced rays
   std::vector<SpecularVertex> chain;  ///< surfaces from the panel on; empty if seen directly
 };
 
@@ -53,9 +62,9 @@ inline constexpr double farthest_origin = 100;
 /// The derivatives are central differences of the chain, traced again in double at the planes of the same triangles,
 /// whose normals are extended linearly beyond their edges. R is exact (to 1e-8) for plane mirrors (the total distance)
 /// and for slabs of glass (the apparent depth). Curved mirrors and lenses of smooth triangles follow their focal
-/// law. Where the two principal curvatures differ (astigmatism: oblique incidence on glass or curved mirrors), one
-/// spherical wave cannot have both: R follows from their mean. For leaves infinitely far away, the final
-/// direction is kept fixed instead of the point.
+/// law. Where the two principal curvatures of C differ (astigmatism: oblique incidence on glass or curved mirrors), R is that of
+/// their mean, and the focal lines are at their own places. For leaves infinitely far away, the final direction is kept fixed
+/// instead of the point.
 ///
 /// The places on the surfaces and the optical path also come from the chain in double. They do not contain the offset
 /// by which rays leave a surface (Accelerator::leave).

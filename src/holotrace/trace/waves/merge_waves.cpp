@@ -41,13 +41,14 @@ void merge_waves(TracedWaves& w, double side, size_t tiles) {
   size_t kept = 0;
   for (size_t i = 0; i < w.waves.size(); ++i) {
     const WaveCell cell = w.cells[i];
-    const size_t into = cell.key == WaveCell::alone ? kept : cells.find_or_add(cell.key, w.waves[i].origin, kept);
+    const size_t into = cell.key == WaveCell::alone ? kept : cells.find_or_add(cell.key, cell.image, kept);
     float* const to = w.tiles.data() + into * tiles;
     const float* const from = w.tiles.data() + i * tiles;
     if (into == kept) {
       w.waves[kept] = w.waves[i];
       w.keys[kept] = w.keys[i];
       w.cells[kept] = cell;
+      w.second_foci[kept] = w.second_foci[i];
       if (kept < i) std::copy(from, from + tiles, to);
       ++kept;
       continue;
@@ -57,12 +58,14 @@ void merge_waves(TracedWaves& w, double side, size_t tiles) {
     if (cell.off_centre < w.cells[into].off_centre) {
       w.waves[into] = w.waves[i];
       w.cells[into] = cell;
+      w.second_foci[into] = w.second_foci[i];
     }
     w.waves[into].amplitude = amplitude;
   }
   w.waves.resize(kept);
   w.keys.resize(kept);
   w.cells.resize(kept);
+  w.second_foci.resize(kept);
   w.tiles.resize(kept * tiles);
 }
 

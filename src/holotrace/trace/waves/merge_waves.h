@@ -21,6 +21,7 @@ struct WaveCell {
   /// shares its phase with no other.
   uint64_t key = alone;
   double off_centre = 0;  ///< distance of the surface point from the middle of the cell [m]
+  Vec3 image;             ///< place where the cell is seen: the origin of the wave, by the mean of its curvatures [m]
 
   static constexpr uint64_t alone = ~uint64_t(0);
 };
@@ -62,7 +63,8 @@ struct TracedWaves {
   std::vector<Source> waves;
   std::vector<uint64_t> keys;   ///< keys of their phases, or Sources::no_phase_key
   std::vector<WaveCell> cells;  ///< cell of each wave
-  std::vector<float> tiles;     ///< tiles[wave·count + tile], for `count` tiles
+  std::vector<SecondFocus> second_foci;
+  std::vector<float> tiles;  ///< tiles[wave·count + tile], for `count` tiles
 };
 
 /// Merges the waves of equal cell and image, in place, in the order of the first of each. Their squared amplitudes

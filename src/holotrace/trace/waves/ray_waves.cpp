@@ -88,7 +88,7 @@ std::pair<uint64_t, WaveCell> place_in_cell(SpecularLeaf& leaf, const TraceParam
     return {is_constant ? Sources::no_phase_key : sample, {}};
   const Vec3 place = leaf.start.point.position;
   const SurfaceCell cell = surface_cell(place, side);
-  const WaveCell own{image_key(cell.key, leaf.chain), length(cell.centre - place)};
+  const WaveCell own{image_key(cell.key, leaf.chain), length(cell.centre - place), {}};
   if (params.strategy == Strategy::gather && params.one_wave_per_cell) move_phase(leaf, ray, cell.centre);
   return {is_constant ? Sources::no_phase_key : cell.key, own};
 }
@@ -126,11 +126,13 @@ std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& param
   for (SpecularLeaf& leaf : leaves) {
     leaf.optical_path -= to_panel;
     leaf.distance -= to_panel;
+    if (leaf.lines) leaf.lines->first -= to_panel, leaf.lines->second -= to_panel;
     const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
-    const auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
+    auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
+    cell.image = origin;
     LeafLight light = light_from(scene, params, leaf, sample, counts);
     const bool is_diffuse = leaf.kind == LeafKind::surface && looks_alike_from_everywhere(scene, leaf.start);
-    waves.push_back({std::move(leaf), origin, key, cell, std::move(light), is_diffuse});
+    waves.push_back({std::move(leaf), origin, {}, key, cell, std::move(light), is_diffuse});
   }
   return waves;
 }
@@ -158,7 +160,8 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     leaf.start.outgoing = normalize(way);
   } else {
     const Vec3 way = wave.origin - place;
-    const Ray ray = scene.accelerator.from_viewer({place, normalize(way.z < 0 ? way : -way)});
+    const Vec3 back = wave.astigmatic ? -wave.astigmatic->slopes(place).direction : normalize(way.z < 0 ? way : -way);
+    const Ray ray = scene.accelerator.from_viewer({place, back});
     auto found = follow_like(scene, ray, model, counts);
     if (!found || !shows_the_same(scene, *found, model, ray)) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, found->weight};

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "holotrace/data/astigmatic_wave.h"
 #include "holotrace/data/params/trace.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/specular.h"
@@ -22,9 +23,10 @@ struct LeafLight {
 /// A wave that reaches the panel along a ray.
 struct RayWave {
   SpecularLeaf leaf;
-  Vec3 origin;       ///< apparent origin [m]
-  uint64_t key = 0;  ///< key of its random phase, or Sources::no_phase_key
-  WaveCell cell;     ///< cell of equal phase that it belongs to
+  Vec3 origin;                               ///< apparent origin, by the mean of its curvatures [m]
+  std::optional<AstigmaticWave> astigmatic;  ///< if its source is to have focal lines
+  uint64_t key = 0;                          ///< key of its random phase, or Sources::no_phase_key
+  WaveCell cell;                             ///< cell of equal phase that it belongs to
   LeafLight light;
   bool is_diffuse = false;  ///< whether its surface is diffuse only, so that it looks the same from everywhere
 };
@@ -55,7 +57,7 @@ struct SeenLight {
 
 /// - Seen directly: a shadow ray must be free, and the surface must show its same side to the place. The light of a
 ///   surface that is diffuse only is used again; other surfaces are evaluated anew, with the same random numbers.
-/// - Behind mirrors and glass: a ray from the place toward the wave's origin must pass the same reflections and
+/// - Behind mirrors and glass: a ray from the place, back along the wave, must pass the same reflections and
 ///   refractions, and end at the same surface (shows_the_same of specular.h).
 std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams& params, const RayWave& wave,
                                       Vec3 place, uint64_t sample, PathCounts& counts);

@@ -8,23 +8,43 @@
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/astigmatic_wave.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/panel_tiles.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {
 
+/// The pixels within a distance from a place, along each axis.
+inline PixelBox pixels_around(Vec3 place, double reach_x, double reach_y, const Grid& grid) {
+  const auto clamp = [](double value, int limit) { return int(std::clamp(value, 0.0, double(limit))); };
+  const double column = (place.x - grid.centre_x) / grid.pitch + (grid.nx - 1) / 2.0;
+  const double row = (grid.ny - 1) / 2.0 - (place.y - grid.centre_y) / grid.pitch;
+  const double across = reach_x / grid.pitch, down = reach_y / grid.pitch;
+  return {clamp(std::ceil(column - across), grid.nx), clamp(std::floor(column + across) + 1, grid.nx),
+          clamp(std::ceil(row - down), grid.ny), clamp(std::floor(row + down) + 1, grid.ny)};
+}
+
 /// The pixels that a source lights: |x − xₒ| ≤ R and |y − yₒ| ≤ R, R = d₀·tangent (Eq. 14). The tangent is that of the
 /// cone that the waves keep to, tan(asin(λ/2p)) for λ = Sources::acceptance_wavelength.
 inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) {
   const double radius = std::abs(source.origin.z) * tangent;
   if (!std::isfinite(radius)) return {0, grid.nx, 0, grid.ny};
-  const auto clamp = [](double value, int limit) { return int(std::clamp(value, 0.0, double(limit))); };
-  const double column = (source.origin.x - grid.centre_x) / grid.pitch + (grid.nx - 1) / 2.0;
-  const double row = (grid.ny - 1) / 2.0 - (source.origin.y - grid.centre_y) / grid.pitch;
-  const double reach = radius / grid.pitch;
-  return {clamp(std::ceil(column - reach), grid.nx), clamp(std::floor(column + reach) + 1, grid.nx),
-          clamp(std::ceil(row - reach), grid.ny), clamp(std::floor(row + reach) + 1, grid.ny)};
+  return pixels_around(source.origin, radius, radius, grid);
+}
+
+/// The pixels that an astigmatic wave lights (AstigmaticWave::lit).
+inline PixelBox lit_box(const AstigmaticWave& wave, const Grid& grid, double tangent) {
+  if (!std::isfinite(tangent)) return {0, grid.nx, 0, grid.ny};
+  const auto [foot, reach_x, reach_y] = wave.lit(tangent);
+  return pixels_around(foot, reach_x, reach_y, grid);
+}
+
+/// The pixels that wave i lights.
+inline PixelBox lit_box(const Sources& sources, size_t i, const Grid& grid, double tangent) {
+  const Source& source = sources.waves[i];
+  if (sources.second_foci.empty() || !sources.second_foci[i].is_astigmatic()) return lit_box(source, grid, tangent);
+  return lit_box(AstigmaticWave(source.origin, sources.second_foci[i]), grid, tangent);
 }
 
 /// r − d for r = √(ρ² + d²) without the cancellation of the difference: ρ²/(r + d).
@@ -34,9 +54,13 @@ inline double path_beyond_depth(double rho2, double depth) { return rho2 / (std:
 /// a few hundred cycles and therefore exact to 1e-13 of a cycle in double.
 struct PreparedWave {
   double x, y, depth;
-  double start_cycles;  ///< d₀/λ + φ₀/2π, reduced
+  double start_cycles;  ///< d₀/λ + φ₀/2π, reduced; φ₀/2π of an astigmatic wave
   double amplitude;
   PixelBox box;
+  const SecondFocus* second =
+      nullptr;  ///< of an astigmatic wave, in its Sources; its depth is < 0 in front of the panel
+
+  AstigmaticWave astigmatic() const { return {{x, y, -depth}, *second}; }
 };
 
 /// @param cone_wavelength  wavelength whose acceptance limits the box [m]; 0: the wave's own
@@ -51,13 +75,24 @@ inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double 
           lit_box(source, grid, acceptance_tangent(cone_wavelength > 0 ? cone_wavelength : wavelength, grid.pitch))};
 }
 
+/// Wave i of the sources, which must outlast it.
+inline PreparedWave prepare_wave(const Sources& sources, size_t i, const Grid& grid) {
+  const Source& source = sources.waves[i];
+  if (sources.second_foci.empty() || !sources.second_foci[i].is_astigmatic())
+    return prepare_wave(source, grid, sources.wavelength, sources.acceptance_wavelength());
+  const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
+  return {source.origin.x,         source.origin.y,  -source.origin.z,
+          source.phase / (2 * pi), source.amplitude, lit_box(sources, i, grid, tangent),
+          &sources.second_foci[i]};
+}
+
 /// The sources prepared for summation, without those that light no pixel of the grid. Tile amplitudes are
 /// not used: for these see the other prepare_waves.
 inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid) {
   std::vector<PreparedWave> waves;
   waves.reserve(sources.waves.size());
-  for (const Source& source : sources.waves) {
-    const PreparedWave wave = prepare_wave(source, grid, sources.wavelength, sources.acceptance_wavelength());
+  for (size_t i = 0; i < sources.waves.size(); ++i) {
+    const PreparedWave wave = prepare_wave(sources, i, grid);
     if (!wave.box.is_empty()) waves.push_back(wave);
   }
   return waves;
@@ -88,7 +123,7 @@ inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Gri
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const float amplitude = amplitude_in(sources, i, part);
     if (amplitude == 0) continue;
-    PreparedWave wave = prepare_wave(sources.waves[i], grid, sources.wavelength, sources.acceptance_wavelength());
+    PreparedWave wave = prepare_wave(sources, i, grid);
     wave.amplitude = amplitude;
     wave.box = intersect(wave.box, bounds);
     if (!wave.box.is_empty()) waves.push_back(wave);
@@ -96,8 +131,12 @@ inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Gri
   return waves;
 }
 
-/// U = a·(d₀/r)·exp(2πi·(r/λ + φ₀/2π)) at the point (x, y) of the panel (Eq. 5, 6).
+/// U = a·(d₀/r)·exp(2πi·(r/λ + φ₀/2π)) at the point (x, y) of the panel (Eq. 5, 6); for an astigmatic wave that of AstigmaticWave.
 inline std::complex<double> wave_at(const PreparedWave& wave, double x, double y, double wavelength) {
+  if (wave.second) {
+    const auto [path, modulus] = wave.astigmatic().at({x, y, 0});
+    return cis_cycles(wave.start_cycles + cycle_fraction(path, wavelength)) * (wave.amplitude * modulus);
+  }
   const double dx = x - wave.x, dy = y - wave.y;
   const double beyond = path_beyond_depth(dx * dx + dy * dy, wave.depth);
   const double cycles = wave.start_cycles + beyond / wavelength;

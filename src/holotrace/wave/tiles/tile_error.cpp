@@ -7,23 +7,52 @@
 
 namespace holotrace {
 
+namespace {
+
+// The split over the wave, of modulus 1 and phase 0 if it is exact, and the energy of the wave, at a pixel.
+struct SplitAt {
+  std::complex<double> ratio;
+  double energy;
+};
+
+SplitAt split_of(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
+  const double x0 = centre.x - w.x, y0 = centre.y - w.y, x = pixel.x - w.x, y = pixel.y - w.y, d2 = w.depth * w.depth;
+  const double r = std::sqrt(x * x + y * y + d2), r0 = std::sqrt(x0 * x0 + y0 * y0 + d2);
+  const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
+  const auto beyond = [&](double a, double b) { return path_beyond_depth(a * a + b * b, w.depth); };
+  const double phase = 2 * pi / wavelength * ((beyond(x, y) - beyond(x, y0)) - (beyond(x0, y) - beyond(x0, y0)));
+  return {std::polar(r * r0 / (along_column * along_row), -phase), w.amplitude * w.amplitude * (d2 / (r * r))};
+}
+
+SplitAt split_of_astigmatic(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
+  const AstigmaticWave wave = w.astigmatic();
+  const auto here = wave.at(pixel), there = wave.at(centre);
+  const auto slopes = wave.slopes(centre);
+  std::complex<double> ratio = there.modulus / here.modulus;
+  double path = there.path - here.path;
+  const auto add_axis = [&](const AxisSphere& sphere, double u) {
+    const double t = u * (2 * sphere.x + u) / (sphere.r0 * sphere.r0), root = std::sqrt(1 + t);
+    path += sphere.r0 * t / (1 + root);
+    ratio /= root;
+  };
+  add_axis({slopes.direction.x, slopes.xx}, pixel.x - centre.x);
+  add_axis({slopes.direction.y, slopes.yy}, pixel.y - centre.y);
+  return {ratio * std::polar(1.0, 2 * pi * path / wavelength), std::pow(w.amplitude * here.modulus, 2)};
+}
+
+}  // namespace
+
 SplitEnergies measure_split(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                             double wavelength, TileShape tile) {
   SplitEnergies energies;
-  for (const auto& [drawn, i, k, density] : pixels) {
-    const auto& w = drawn;  // a name that the lambda below can use
+  for (const auto& [wave, i, k, density] : pixels) {
     // The tile's centre as sum_tiled places it: tiles start at the first pixel of the bounds.
-    const double x0 = grid.x(i - (i - bounds.x0) % tile.columns + (tile.columns - 1) / 2.0) - w.x;
-    const double y0 = grid.y(k - (k - bounds.y0) % tile.rows + (tile.rows - 1) / 2.0) - w.y;
-    const double x = grid.x(i) - w.x, y = grid.y(k) - w.y, d2 = w.depth * w.depth;
-    const double r = std::sqrt(x * x + y * y + d2), r0 = std::sqrt(x0 * x0 + y0 * y0 + d2);
-    const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
-    const auto beyond = [&](double a, double b) { return path_beyond_depth(a * a + b * b, w.depth); };
-    const double phase = 2 * pi / wavelength * ((beyond(x, y) - beyond(x, y0)) - (beyond(x0, y) - beyond(x0, y0)));
-    const double modulus = r * r0 / (along_column * along_row);
-    const double energy = w.amplitude * w.amplitude * (d2 / (r * r)) / density;
-    energies.error += energy * std::norm(std::polar(modulus, -phase) - 1.0);
-    energies.waves += energy;
+    const Vec3 centre{grid.x(i - (i - bounds.x0) % tile.columns + (tile.columns - 1) / 2.0),
+                      grid.y(k - (k - bounds.y0) % tile.rows + (tile.rows - 1) / 2.0), 0};
+    const Vec3 pixel{grid.x(i), grid.y(k), 0};
+    const auto [ratio, energy] = (wave.second ? split_of_astigmatic : split_of)(wave, centre, pixel, wavelength);
+    energies.error += energy / density * std::norm(ratio - 1.0);
+    energies.waves += energy / density;
   }
   return energies;
 }

@@ -33,12 +33,27 @@ struct TilePlan {
 };
 
 /// The shapes that sum_tiled knows, from fast to accurate. The neglected phase grows with columns·rows. 32 columns suit
-/// every vector width, 6 rows suit the block of the product, and most shapes divide 1080p and 4K panels.
-inline constexpr std::array<TileShape, 10> tile_shapes{
-    {{128, 120}, {128, 60}, {64, 60}, {64, 30}, {32, 30}, {32, 18}, {32, 12}, {32, 6}, {32, 4}, {32, 2}}};
+/// every vector width, 6 rows suit the block of the product, and most shapes divide 1080p and 4K panels. In one row there is
+/// no split.
+inline constexpr std::array<TileShape, 11> tile_shapes{
+    {{128, 120}, {128, 60}, {64, 60}, {64, 30}, {32, 30}, {32, 18}, {32, 12}, {32, 6}, {32, 4}, {32, 2}, {32, 1}}};
 
 /// Relative error of the products for tiles of any size; it is independent of the error of the split.
 double rounding_error(TileProducts products);
+
+/// The sphere whose path along an axis through a tile's centre has the slope and the curvature of an astigmatic wave's there.
+struct AxisSphere {
+  double x = 0;   ///< from its centre to the tile's, along the axis [m]
+  double r0 = 0;  ///< from its centre to the tile's [m]; < 0: it converges
+
+  /// @param slope, second  first and second derivative of the path along the axis [1], [1/m]
+  AxisSphere(double slope, double second) {
+    constexpr double flattest = 1e-9;  // [1/m]: 10⁻⁷ of a wavelength across a tile
+    const double curvature = second / (1 - slope * slope);
+    r0 = 1 / (std::abs(curvature) < flattest ? std::copysign(flattest, curvature) : curvature);
+    x = slope * r0;
+  }
+};
 
 /// Effect of the split r ≈ r₀ + Δr(column) + Δr(row) inside tiles on a set of waves: the energies
 /// of the error and of the waves, Σⱼ Σ over the pixels of j of |error|² and |Uⱼ|² [W/m²].
@@ -57,7 +72,7 @@ struct SumGoal {
 };
 
 /// The split neglects about k·x₀·y₀·u·v/r₀³ for a pixel at (u, v) from the tile's centre, which lies at
-/// (x₀, y₀) from the source. Its error is measured: at pixels that the waves light (draw_pixels), the split is compared
+/// (x₀, y₀) from the source; for astigmatic waves, what two spheres (AxisSphere) leave out. Its error is measured: at pixels that the waves light (draw_pixels), the split is compared
 /// with the wave itself.
 ///
 /// @param bounds  pixels that the tiles cover, from the top left corner on

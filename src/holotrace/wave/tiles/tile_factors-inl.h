@@ -30,17 +30,18 @@ struct TileBatch {
   int count = 0;
   bool has_row_edges = false;  // a wave ends between two rows of the tile
   alignas(64) double x[batch], y[batch], depth[batch], start[batch], amplitude[batch];
-  alignas(64) float twice_x[batch], twice_y[batch], inverse_r0_squared[batch],
-      r0_over_wavelength[batch], phase[batch], scale[batch], greatest_t[batch];
+  // Along either axis, r₀ and x are those of the wave or, if it is astigmatic, of its AxisSphere.
+  alignas(64) float twice_x[batch], twice_y[batch], inverse_r0_squared_x[batch], inverse_r0_squared_y[batch],
+      r0_over_wavelength_x[batch], r0_over_wavelength_y[batch], phase[batch], scale[batch], greatest_t[batch];
   alignas(64) float first_row[batch], last_row[batch];
   int first_column[batch], last_column[batch];
+  const PreparedWave* astigmatic[batch];  // none: the wave is spherical
 };
 
-inline void add_wave(TileBatch& b, const PreparedWave& wave, double x_centre, double y_centre, const PixelBox& box,
-                     int rows) {
+inline void add_wave(TileBatch& b, const PreparedWave& wave, Vec3 centre, const PixelBox& box, int rows) {
   const int k = b.count++;
-  b.x[k] = x_centre - wave.x;
-  b.y[k] = y_centre - wave.y;
+  b.x[k] = centre.x - wave.x;
+  b.y[k] = centre.y - wave.y;
   b.depth[k] = wave.depth;
   b.start[k] = wave.start_cycles;
   b.amplitude[k] = wave.amplitude;
@@ -48,6 +49,7 @@ inline void add_wave(TileBatch& b, const PreparedWave& wave, double x_centre, do
   b.last_column[k] = wave.box.x1 - box.x0;
   b.first_row[k] = float(wave.box.y0 - box.y0);
   b.last_row[k] = float(wave.box.y1 - box.y0);
+  b.astigmatic[k] = wave.second ? &wave : nullptr;
   if (wave.box.y0 > box.y0 || wave.box.y1 < box.y0 + rows) b.has_row_edges = true;
 }
 
@@ -58,13 +60,34 @@ inline void pad(TileBatch& b) {
     b.depth[k] = 1;
     b.first_column[k] = b.last_column[k] = 0;
     b.first_row[k] = b.last_row[k] = 0;
+    b.astigmatic[k] = nullptr;
   }
 }
 
 inline int padded(int count) { return (count + 31) / 32 * 32; }
 
+// Replaces what `prepare` has computed for wave k, which is astigmatic.
+inline void prepare_astigmatic(TileBatch& b, int k, Vec3 centre, double wavelength, double half_x, double half_y) {
+  const AstigmaticWave wave = b.astigmatic[k]->astigmatic();
+  const auto at = wave.at(centre);
+  const auto slopes = wave.slopes(centre);
+  const AxisSphere x(slopes.direction.x, slopes.xx), y(slopes.direction.y, slopes.yy);
+  const double cycles = cycle_fraction(at.path, wavelength) + b.start[k];
+  const double t_x = half_x * (2 * std::abs(x.x) + half_x) / (x.r0 * x.r0);
+  const double t_y = half_y * (2 * std::abs(y.x) + half_y) / (y.r0 * y.r0);
+  b.twice_x[k] = float(2 * x.x);
+  b.twice_y[k] = float(2 * y.x);
+  b.inverse_r0_squared_x[k] = float(1 / (x.r0 * x.r0));
+  b.inverse_r0_squared_y[k] = float(1 / (y.r0 * y.r0));
+  b.r0_over_wavelength_x[k] = float(x.r0 / wavelength);
+  b.r0_over_wavelength_y[k] = float(y.r0 / wavelength);
+  b.phase[k] = float(cycles - std::floor(cycles));
+  b.scale[k] = float(b.amplitude[k] * at.modulus);
+  b.greatest_t[k] = float(std::max(t_x, t_y));
+}
+
 // Distances are in double, because r₀ is up to 10⁶ wavelengths. half_x, half_y: tile's centre to edges [m].
-inline void prepare(TileBatch& b, double wavelength, double half_x, double half_y) {
+inline void prepare(TileBatch& b, Vec3 centre, double wavelength, double half_x, double half_y) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto one = hn::Set(d, 1.0), per_wavelength = hn::Set(d, 1 / wavelength);
@@ -81,12 +104,22 @@ inline void prepare(TileBatch& b, double wavelength, double half_x, double half_
     const auto store = [&](auto v, float* to) { hn::Store(hn::DemoteTo(df, v), df, to + k); };
     store(hn::Add(x, x), b.twice_x);
     store(hn::Add(y, y), b.twice_y);
-    store(inverse_squared, b.inverse_r0_squared);
-    store(hn::Mul(r0, per_wavelength), b.r0_over_wavelength);
+    const auto r0_over_wavelength = hn::Mul(r0, per_wavelength);
+    store(inverse_squared, b.inverse_r0_squared_x);
+    store(inverse_squared, b.inverse_r0_squared_y);
+    store(r0_over_wavelength, b.r0_over_wavelength_x);
+    store(r0_over_wavelength, b.r0_over_wavelength_y);
     store(hn::Sub(cycles, hn::Floor(cycles)), b.phase);
     store(hn::Mul(hn::Mul(hn::Load(d, b.amplitude + k), depth), inverse), b.scale);
     store(hn::Mul(hn::Max(t_x, t_y), inverse_squared), b.greatest_t);
   }
+  for (int k = 0; k < b.count; ++k)
+    if (b.astigmatic[k]) prepare_astigmatic(b, k, centre, wavelength, half_x, half_y);
+}
+
+inline Series series_of(const TileBatch& b, int k) {
+  return series_for(b.greatest_t[k],
+                    std::max(std::abs(b.r0_over_wavelength_x[k]), std::abs(b.r0_over_wavelength_y[k])));
 }
 
 // Positions of a tile's pixels from its centre.
@@ -107,10 +140,10 @@ template <Series series>
 HWY_INLINE void row_factor(const TileBatch& b, int k, float v, float row, V& re, V& im) {
   const Floats d;
   const V vs = hn::Set(d, v);
-  const V t = hn::Mul(hn::Mul(vs, hn::Add(vs, hn::Load(d, b.twice_y + k))), hn::Load(d, b.inverse_r0_squared + k));
+  const V t = hn::Mul(hn::Mul(vs, hn::Add(vs, hn::Load(d, b.twice_y + k))), hn::Load(d, b.inverse_r0_squared_y + k));
   V beyond, modulus;
   growth<series>(d, t, beyond, modulus);
-  cis_lanes(d, hn::Mul(beyond, hn::Load(d, b.r0_over_wavelength + k)), re, im);
+  cis_lanes(d, hn::Mul(beyond, hn::Load(d, b.r0_over_wavelength_y + k)), re, im);
   if (b.has_row_edges) {
     const V at = hn::Set(d, row);
     const auto is_lit = hn::And(hn::Ge(at, hn::Load(d, b.first_row + k)), hn::Lt(at, hn::Load(d, b.last_row + k)));
@@ -124,10 +157,10 @@ HWY_INLINE void row_factor(const TileBatch& b, int k, float v, float row, V& re,
 template <Series series>
 HWY_INLINE void column_factor(const TileBatch& b, int k, V u, V index, bool has_edges, V& re, V& im) {
   const Floats d;
-  const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, b.twice_x[k]))), hn::Set(d, b.inverse_r0_squared[k]));
+  const V t = hn::Mul(hn::Mul(u, hn::Add(u, hn::Set(d, b.twice_x[k]))), hn::Set(d, b.inverse_r0_squared_x[k]));
   V beyond, modulus;
   growth<series>(d, t, beyond, modulus);
-  cis_lanes(d, hn::MulAdd(beyond, hn::Set(d, b.r0_over_wavelength[k]), hn::Set(d, b.phase[k])), re, im);
+  cis_lanes(d, hn::MulAdd(beyond, hn::Set(d, b.r0_over_wavelength_x[k]), hn::Set(d, b.phase[k])), re, im);
   modulus = hn::Mul(modulus, hn::Set(d, b.scale[k]));
   if (has_edges) {
     const auto is_lit = hn::And(hn::Ge(index, hn::Set(d, float(b.first_column[k]))),

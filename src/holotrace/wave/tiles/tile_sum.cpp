@@ -193,12 +193,14 @@ void add_single(const TileBatch& b, const Offsets& offsets, TileShape tile, Tile
   const int vectors = block_vectors(tile);
   Series worst = Series::short_series;
   for (int k = 0; k < b.count; ++k) {
-    const Series series = series_for(b.greatest_t[k], b.r0_over_wavelength[k]);
+    const Series series = series_of(b, k);
     worst = std::min(worst, series);
     call_with(series, [&](auto fixed) { column_factors<fixed()>(b, offsets, tile, k, vectors, s.columns.data()); });
   }
   call_with(worst, [&](auto fixed) { row_factors<fixed()>(b, offsets, tile, s.rows.data()); });
-  if (tile.rows % 6 != 0)
+  if (tile.rows == 1)
+    multiply_batch<1, 2>(s, tile, b.count);
+  else if (tile.rows % 6 != 0)
     multiply_batch<2, 2>(s, tile, b.count);
   else if (vectors == 4)
     multiply_batch<6, 4>(s, tile, b.count);
@@ -209,7 +211,7 @@ void add_single(const TileBatch& b, const Offsets& offsets, TileShape tile, Tile
 // Factors in single precision, packed products.
 void add_packed(const TileBatch& b, const Offsets& offsets, TileShape tile, int parts, TileWorkspace& s) {
   Series worst = Series::short_series;
-  for (int k = 0; k < b.count; ++k) worst = std::min(worst, series_for(b.greatest_t[k], b.r0_over_wavelength[k]));
+  for (int k = 0; k < b.count; ++k) worst = std::min(worst, series_of(b, k));
   call_with(worst, [&](auto fixed) {
     packed_column_factors<fixed()>(b, offsets, tile, parts, s.packed_columns.data());
     packed_row_factors<fixed()>(b, offsets, tile, parts, s.packed_rows.data());
@@ -235,11 +237,11 @@ void prepare_workspace(const TilePlan& plan, TileWorkspace& s) {
   s.packed_rows.assign(components * parts * packed_row_words(tile), 0);  // rows past the tile's stay 0
 }
 
-void add_batch(TileBatch& b, const Offsets& offsets, double wavelength, double pitch, const TilePlan& plan,
+void add_batch(TileBatch& b, const Offsets& offsets, Vec3 centre, double wavelength, double pitch, const TilePlan& plan,
                TileWorkspace& s) {
   if (b.count == 0) return;
   pad(b);
-  prepare(b, wavelength, plan.shape.columns * pitch / 2, plan.shape.rows * pitch / 2);
+  prepare(b, centre, wavelength, plan.shape.columns * pitch / 2, plan.shape.rows * pitch / 2);
   if (plan.products == TileProducts::single)
     add_single(b, offsets, plan.shape, s);
   else
@@ -254,14 +256,14 @@ void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const
   const TileShape tile = plan.shape;
   prepare_workspace(plan, s);
   const Offsets offsets(tile, grid.pitch);
-  const double x_centre = grid.x(box.x0 + (tile.columns - 1) / 2.0), y_centre = grid.y(box.y0 + (tile.rows - 1) / 2.0);
+  const Vec3 centre{grid.x(box.x0 + (tile.columns - 1) / 2.0), grid.y(box.y0 + (tile.rows - 1) / 2.0), 0};
   TileBatch b;
   for (const PreparedWave& wave : waves) {
     if (intersect(wave.box, box).is_empty()) continue;
-    add_wave(b, wave, x_centre, y_centre, box, tile.rows);
-    if (b.count == batch) add_batch(b, offsets, wavelength, grid.pitch, plan, s);
+    add_wave(b, wave, centre, box, tile.rows);
+    if (b.count == batch) add_batch(b, offsets, centre, wavelength, grid.pitch, plan, s);
   }
-  add_batch(b, offsets, wavelength, grid.pitch, plan, s);
+  add_batch(b, offsets, centre, wavelength, grid.pitch, plan, s);
   const float* const ac = s.sums.data();
   const float* const bd = ac + s.sums.size() / components;
   const float* const all = bd + s.sums.size() / components;
