@@ -1,5 +1,8 @@
 #include "holotrace/data/sources.h"
 
+#include <cmath>
+#include <map>
+
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 
@@ -55,12 +58,19 @@ Sources some_of(const Sources& sources, const std::vector<size_t>& indices) {
 }
 
 SourceKinds kinds_of(const Sources& sources) {
-  std::vector<size_t> behind, in_front, astigmatic;
+  std::vector<size_t> behind, in_front;
+  std::map<int, std::vector<size_t>> astigmatic;
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const Kind kind = kind_of(sources, i);
-    (kind == Kind::behind ? behind : kind == Kind::in_front ? in_front : astigmatic).push_back(i);
+    if (kind == Kind::astigmatic) {
+      const double difference = 1 / sources.second_foci[i].place.z - 1 / sources.waves[i].origin.z;
+      astigmatic[std::ilogb(difference) / 3].push_back(i);  // alike within a factor of 8
+    } else {
+      (kind == Kind::behind ? behind : in_front).push_back(i);
+    }
   }
-  SourceKinds kinds{some_of(sources, behind), some_of(sources, in_front), some_of(sources, astigmatic)};
+  SourceKinds kinds{some_of(sources, behind), some_of(sources, in_front), {}};
+  for (const auto& [size, waves] : astigmatic) kinds.astigmatic.push_back(some_of(sources, waves));
   kinds.behind.second_foci.clear();
   kinds.mirrored.second_foci.clear();
   for (Source& wave : kinds.mirrored.waves) {

@@ -79,7 +79,9 @@ void check_sources_behind(const Sources& sources);
 /// Waves by the ways in which they are summed. Spherical ones from in front of the panel are mirrored: a wave that converges to
 /// (x, y, z) is on the panel the conjugate of the one that leaves (x, y, −z) with the phase −φ₀.
 struct SourceKinds {
-  Sources behind, mirrored, astigmatic;
+  Sources behind, mirrored;
+  std::vector<Sources>
+      astigmatic;  ///< in groups of like differences of their curvatures, because these decide how they are summed
 };
 SourceKinds kinds_of(const Sources& sources);
 

@@ -18,20 +18,23 @@ auto sum_by_kind(const Sources& sources, const Observer& observer, const Sum& su
   using Field = decltype(sum(sources, observer));
   if (are_from_behind(sources)) return sum(sources, observer);
   const auto [behind, mirrored, astigmatic] = kinds_of(sources);
-  const int kinds = !behind.waves.empty() + !mirrored.waves.empty() + !astigmatic.waves.empty();
+  const int kinds = !behind.waves.empty() + !mirrored.waves.empty() + int(astigmatic.size());
   std::optional<Field> field;
   int done = 0;
-  for (const Sources* kind : {&behind, &mirrored, &astigmatic}) {
-    if (kind->waves.empty()) continue;
-    Field of_kind = sum(*kind, part_of(observer, done++, kinds));
+  const auto add = [&](const Sources& kind, bool is_mirrored) {
+    if (kind.waves.empty()) return;
+    Field of_kind = sum(kind, part_of(observer, done++, kinds));
     auto& samples = of_kind.samples.values;
-    if (kind == &mirrored)
+    if (is_mirrored)
       for (auto& u : samples) u = std::conj(u);
     if (field)
       std::transform(samples.begin(), samples.end(), field->samples.values.begin(), samples.begin(),
                      [](const auto& a, const auto& b) { return a + b; });
     field = std::move(of_kind);
-  }
+  };
+  add(behind, false);
+  add(mirrored, true);
+  for (const Sources& group : astigmatic) add(group, false);
   return std::move(*field);
 }
 

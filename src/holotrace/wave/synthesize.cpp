@@ -183,14 +183,18 @@ DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const Synth
 SumForecast forecast_synthesis(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   const auto [behind, mirrored, astigmatic] = kinds_of(sources);
   SumForecast all;
-  for (const Sources* kind : {&behind, &mirrored, &astigmatic}) {
-    if (kind->waves.empty()) continue;
-    const SumForecast one = forecast_sum(*kind, grid, params.tolerance, approach_of(*kind, params.method));
-    if (one.method.empty()) return {};
+  bool is_within = true;
+  const auto add = [&](const Sources& kind) {
+    if (kind.waves.empty()) return;
+    const SumForecast one = forecast_sum(kind, grid, params.tolerance, approach_of(kind, params.method));
+    is_within = is_within && !one.method.empty();
     all.seconds += one.seconds;
     if (all.method != "planes") all.method = one.method;
-  }
-  return all;
+  };
+  add(behind);
+  add(mirrored);
+  for (const Sources& group : astigmatic) add(group);
+  return is_within ? all : SumForecast{};
 }
 
 int64_t waves_pixels(const Sources& sources, const Grid& grid) {
