@@ -283,7 +283,7 @@ void add_render(Command& app, const GlobalFlags& global) {
 }
 
 void add_trace(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("trace", "sources from a scene: spherical waves that carry path-traced light");
+  Command* command = app.add_subcommand("trace", "sources from a scene: waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths, report;
     ModelFlags model;

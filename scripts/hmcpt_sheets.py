@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Lays out what scripts/figures made of path-traced holograms: five contact sheets, a table and the README's picture.
+"""Lays out what scripts/figures made of path-traced holograms: six contact sheets, a table and the README's picture.
 
 Usage: scripts/hmcpt_sheets.py DIR [--docs]
 
-DIR holds the folders chess_glossy, cornell_box, cornell_layers, glass_and_mirror, chess_frames and parallax.
+DIR holds the folders chess_glossy, cornell_box, cornell_layers, glass_and_mirror, oblique_mirror,
+chess_frames and parallax.
 """
 import pathlib
 import sys
@@ -84,6 +85,16 @@ def focus_sheet(output):
                    "its upper half behind 8 mm of glass. One hologram, four distances.", rows)
 
 
+def astigmatism_sheet(output):
+    size, folder = (720, 405), output / "oblique_mirror"
+    sharp = ["the level bars", "the upright bars"]
+    rows = [[(f"render, the panel as lens, focus at {d}", developed(numbered(folder, "render", i), size, channel=1)),
+             (f"view of the holograms at {d}: {what}", developed(numbered(folder, "view", i), size))]
+            for i, (d, what) in enumerate(zip(distances(folder), sharp), 1)]
+    return lay_out("Astigmatism: a concave mirror at 30°", "A window with bars 30 mm from a mirror of f = 50 mm. Its waves have two "
+                   "focal lines.", rows)
+
+
 def parallax_sheet(output):
     size, folder = (474, 474), output / "parallax"
     names = {-3: "eye at the left, x = −3 mm", 0: "eye in the middle", 3: "eye at the right, x = 3 mm"}
@@ -162,7 +173,7 @@ def renew_docs(output, sheets, table):
 def main():
     output = pathlib.Path(sys.argv[1])
     sheets = {"hmcpt_colour": colour_sheet(output), "hmcpt_layers": layers_sheet(output),
-              "hmcpt_focus": focus_sheet(output), "hmcpt_parallax": parallax_sheet(output),
+              "hmcpt_focus": focus_sheet(output), "hmcpt_astigmatism": astigmatism_sheet(output), "hmcpt_parallax": parallax_sheet(output),
               "hmcpt_frames": frames_sheet(output)}
     save_sheets(output, sheets)
     readme_picture(output).save(output / "chess_colour.png", optimize=True)
