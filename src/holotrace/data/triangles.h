@@ -19,11 +19,13 @@ namespace holotrace {
 /// the centroid, n the unit normal, e the unit direction of the light, D the distance from c along e to the
 /// panel, where the light arrives with the phase φ₀. a(s) is linear between the corners. |a|² is the irradiance of
 /// the triangle's image, and a²·(its area as seen along e) the power that leaves it.
+///
+/// Light that converges to a triangle in front of the panel has −1/iλ and exp(−ik‖p − s‖); its D is negative.
 struct Triangle {
-  std::array<Vec3, 3> corners;        ///< [m], z < 0
+  std::array<Vec3, 3> corners;        ///< [m], all at z < 0 or all at z > 0
   std::array<float, 3> amplitudes{};  ///< a at the corners [√(W/m²)]; equal for flat shading
   float phase = 0;                    ///< φ₀ [rad]
-  Vec3 direction{0, 0, 1};            ///< e, unit, toward the panel (z > 0)
+  Vec3 direction{0, 0, 1};            ///< e, unit, toward the viewer (z > 0)
 };
 
 /// Triangles of one wavelength, all coherent with each other.
@@ -53,8 +55,14 @@ inline double area_along_direction(const Triangle& t) {
   return std::abs(dot(cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]), t.direction)) / 2;
 }
 
-/// @throws Error, naming the first invalid triangle, unless every number is finite, every corner is behind the panel
-///         (z < 0), the area is above 0, directions are unit vectors toward the panel, and there are no phase keys or
+/// Triangles by the side of the panel. Those in front of it are mirrored, with the opposite phase.
+struct TriangleSides {
+  Triangles behind, mirrored;
+};
+TriangleSides sides_of(const Triangles& triangles);
+
+/// @throws Error, naming the first invalid triangle, unless every number is finite, all corners of a triangle are behind the panel
+///         (z < 0) or in front of it (z > 0), the area is above 0, directions are unit vectors toward the viewer, and there are no phase keys or
 ///         as many as triangles.
 void check_triangles(const Triangles& triangles);
 

@@ -48,7 +48,7 @@ class Cutter {
     double size = 0;
     for (size_t side = 0; side < 3; ++side)
       if (const double l = length(c[side] - c[(side + 1) % 3]); l > size) longest = side, size = l;
-    const double depth = -(c[0].z + c[1].z + c[2].z) / 3;
+    const double depth = std::abs(c[0].z + c[1].z + c[2].z) / 3;
     if (size <= most_ * depth) {
       if (pieces.size() == most_pieces) return false;
       pieces.push_back({c, mesh, triangle});
@@ -65,7 +65,7 @@ class Cutter {
   bool is_outside(const Corners& c) const {
     bool is_left = true, is_right = true, is_low = true, is_high = true;
     for (const Vec3 p : c) {
-      const double reach = -p.z * tangent_;
+      const double reach = std::abs(p.z) * tangent_;
       is_left = is_left && p.x < panel_.centre_x - panel_.width() / 2 - reach;
       is_right = is_right && p.x > panel_.centre_x + panel_.width() / 2 + reach;
       is_low = is_low && p.y < panel_.centre_y - panel_.height() / 2 - reach;
@@ -86,11 +86,11 @@ struct MostCut {
 };
 
 [[noreturn]] void refuse_many_pieces(const MostCut& t) {
-  const auto [front, back] = std::minmax({-t.corners[0].z, -t.corners[1].z, -t.corners[2].z});
+  const auto [back, front] = std::minmax({t.corners[0].z, t.corners[1].z, t.corners[2].z});
   fail(
-      "expected a scene that the method triangles cuts into {} pieces or fewer, got more; triangle {} of \"{}\", {} to "
-      "{} behind the panel, comes to {} or more; shorten it, or use another method",
-      most_pieces, t.triangle, t.mesh, format_length(front), format_length(back), t.pieces);
+      "expected a scene that the method triangles cuts into {} pieces or fewer, got more; triangle {} of \"{}\", from z = {} to "
+      "{}, comes to {} or more; shorten it, or use another method",
+      most_pieces, t.triangle, t.mesh, format_length(back), format_length(front), t.pieces);
 }
 
 // The pieces of all triangles that have an area, without those that the panel cannot see.
@@ -105,11 +105,12 @@ std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tan
       for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
       const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
       if (!has_area) continue;
-      if (const double front = std::max({c[0].z, c[1].z, c[2].z}); !(front < 0))
+      const auto [back, front] = std::minmax({c[0].z, c[1].z, c[2].z});
+      if (back <= 0 && front >= 0)
         fail(
-            "expected surfaces behind the panel (z < 0) for the method triangles, got triangle {} of \"{}\" at z = {}; use "
-            "another method",
-            t, mesh.name, format_length(front));
+            "expected surfaces behind the panel (z < 0) or in front of it (z > 0) for the method triangles, got triangle {} of "
+            "\"{}\" from z = {} to {}; cut it at the panel, or use another method",
+            t, mesh.name, format_length(back), format_length(front));
       const size_t before = pieces.size();
       const bool is_whole = cutter.cut(c, id, uint32_t(t), pieces);
       if (const size_t count = pieces.size() - before; count > most_cut.pieces) most_cut = {count, t, mesh.name, c};
@@ -135,11 +136,13 @@ struct Shade {
   double longest;  // longest wavelength; its beams are the widest
 };
 
-// Light from a place on a piece toward the panel's centre; none if something hides it.
+// Light from a place on a piece toward the place that its light reaches next to the panel's centre; none if something hides it.
 std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place, uint64_t sample, PathCounts& counts) {
-  const Vec3 eye{s.panel.centre_x, s.panel.centre_y, 0};
-  const double distance = length(place - eye);
-  const Ray ray{eye, (place - eye) / distance};
+  const double radius = box_radius(std::abs(place.z), s.longest, s.panel.pitch);
+  const Vec3 eye{std::clamp(s.panel.centre_x, place.x - radius, place.x + radius),
+                 std::clamp(s.panel.centre_y, place.y - radius, place.y + radius), 0};
+  const Ray ray = s.scene.accelerator.from_viewer({eye, normalize(place.z < 0 ? place - eye : eye - place)});
+  const double distance = length(place - ray.origin);
   ++counts.rays;
   const auto hit = s.scene.accelerator.closest_hit(ray);
   if (!hit) return std::nullopt;
@@ -157,7 +160,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
 
 // Solid angle of the part of the panel that light from a place reaches within the panel's acceptance [sr].
 double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
-  const double depth = -place.z, radius = box_radius(depth, wavelength, panel.pitch);
+  const double depth = std::abs(place.z), radius = box_radius(depth, wavelength, panel.pitch);
   const double x = panel.centre_x - place.x, y = panel.centre_y - place.y;
   const double x0 = std::max(x - panel.width() / 2, -radius), x1 = std::min(x + panel.width() / 2, radius);
   const double y0 = std::max(y - panel.height() / 2, -radius), y1 = std::min(y + panel.height() / 2, radius);
@@ -168,9 +171,9 @@ double solid_angle(Vec3 place, const Grid& panel, double wavelength) {
 Vec3 direction_from(const Shade& s, const Corners& corners, double cone_wavelength) {
   const Grid& panel = s.panel;
   const Vec3 place = (corners[0] + corners[1] + corners[2]) / 3;
-  const double radius = box_radius(-place.z, cone_wavelength, panel.pitch);
+  const double depth = std::abs(place.z), radius = box_radius(depth, cone_wavelength, panel.pitch);
   const double width = std::sqrt(length(cross(corners[1] - corners[0], corners[2] - corners[0])));
-  const double beam = s.longest * -place.z / width;
+  const double beam = s.longest * depth / width;
   // Aims at the nearest point of the panel's part in the box, with a margin at its ends.
   const auto aim = [&](double from, double centre, double side) {
     const double low = std::max(centre - side / 2, from - radius), high = std::min(centre + side / 2, from + radius);
@@ -178,8 +181,9 @@ Vec3 direction_from(const Shade& s, const Corners& corners, double cone_waveleng
     const double margin = std::min(std::max((high - low) / 8, beam), (high - low) / 2);
     return std::clamp(from, low + margin, high - margin) - from;
   };
-  return normalize(
-      {aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()), -place.z});
+  const Vec3 to_panel{aim(place.x, panel.centre_x, panel.width()), aim(place.y, panel.centre_y, panel.height()),
+                      -place.z};
+  return normalize(place.z < 0 ? to_panel : -to_panel);
 }
 
 /// Results of one task: triangles and keys of each set.

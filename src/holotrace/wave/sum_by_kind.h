@@ -3,39 +3,62 @@
 #include <algorithm>
 #include <complex>
 #include <optional>
+#include <vector>
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/data/triangles.h"
+
+// Light from both sides of the panel, by sums that know one kind of it. Light that converges to (x, y, z), z > 0, is on the panel the
+// conjugate of light that leaves (x, y, −z) with the opposite phase.
 
 namespace holotrace {
 
-/// The field of all waves, by a sum that takes waves of one kind at a time: spherical ones from behind the panel, or astigmatic ones.
-/// A spherical wave that converges to (x, y, z), z > 0, is on the panel the conjugate of the one that leaves (x, y, −z) with the
-/// phase −φ₀.
-/// @param sum  field of sources of one kind: (const Sources&, const Observer&) → a field with `samples`
-template <class Sum>
-auto sum_by_kind(const Sources& sources, const Observer& observer, const Sum& sum) {
-  using Field = decltype(sum(sources, observer));
-  if (are_from_behind(sources)) return sum(sources, observer);
-  const auto [behind, mirrored, astigmatic] = kinds_of(sources);
-  const int kinds = !behind.waves.empty() + !mirrored.waves.empty() + int(astigmatic.size());
-  std::optional<Field> field;
-  int done = 0;
-  const auto add = [&](const Sources& kind, bool is_mirrored) {
-    if (kind.waves.empty()) return;
-    Field of_kind = sum(kind, part_of(observer, done++, kinds));
+/// Light of one kind; if it is mirrored, that whose field is the conjugate.
+template <class Light>
+struct LightOfKind {
+  const Light& light;
+  bool is_mirrored;
+};
+
+/// The field of all kinds, at least one.
+/// @param sum  field of light of one kind: (const Light&, const Observer&) → a field with `samples`
+template <class Light, class Sum>
+auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Observer& observer, const Sum& sum) {
+  std::optional<decltype(sum(kinds.front().light, observer))> field;
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    auto of_kind = sum(kinds[i].light, part_of(observer, int(i), int(kinds.size())));
     auto& samples = of_kind.samples.values;
-    if (is_mirrored)
+    if (kinds[i].is_mirrored)
       for (auto& u : samples) u = std::conj(u);
     if (field)
       std::transform(samples.begin(), samples.end(), field->samples.values.begin(), samples.begin(),
                      [](const auto& a, const auto& b) { return a + b; });
     field = std::move(of_kind);
-  };
-  add(behind, false);
-  add(mirrored, true);
-  for (const Sources& group : astigmatic) add(group, false);
+  }
   return std::move(*field);
+}
+
+/// The field of all waves, by a sum that takes spherical ones from behind the panel, or astigmatic ones.
+template <class Sum>
+auto sum_by_kind(const Sources& sources, const Observer& observer, const Sum& sum) {
+  if (are_from_behind(sources)) return sum(sources, observer);
+  const auto [behind, mirrored, astigmatic] = kinds_of(sources);
+  std::vector<LightOfKind<Sources>> kinds;
+  if (!behind.waves.empty()) kinds.push_back({behind, false});
+  if (!mirrored.waves.empty()) kinds.push_back({mirrored, true});
+  for (const Sources& group : astigmatic) kinds.push_back({group, false});
+  return sum_kinds(kinds, observer, sum);
+}
+
+/// The field of all triangles, by a sum that takes those behind the panel.
+template <class Sum>
+auto sum_by_kind(const Triangles& triangles, const Observer& observer, const Sum& sum) {
+  const auto [behind, mirrored] = sides_of(triangles);
+  std::vector<LightOfKind<Triangles>> kinds;
+  if (!behind.triangles.empty() || mirrored.triangles.empty()) kinds.push_back({behind, false});
+  if (!mirrored.triangles.empty()) kinds.push_back({mirrored, true});
+  return sum_kinds(kinds, observer, sum);
 }
 
 }  // namespace holotrace

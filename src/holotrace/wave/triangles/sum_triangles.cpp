@@ -8,6 +8,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/wave/sum_by_kind.h"
 #include "holotrace/wave/triangles/triangle_error.h"
 
 namespace holotrace {
@@ -58,10 +59,11 @@ void warn_of_missed(const Triangles& triangles, const Grid& grid, const Observer
   for (const Triangle& t : triangles.triangles) {
     double left = HUGE_VAL, right = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
     for (const Vec3 p : t.corners) {
-      left = std::min(left, p.x + p.z * tangent);
-      right = std::max(right, p.x - p.z * tangent);
-      low = std::min(low, p.y + p.z * tangent);
-      high = std::max(high, p.y - p.z * tangent);
+      const double reach = std::abs(p.z) * tangent;
+      left = std::min(left, p.x - reach);
+      right = std::max(right, p.x + reach);
+      low = std::min(low, p.y - reach);
+      high = std::max(high, p.y + reach);
     }
     missed += left > grid.x(grid.nx - 1) || right < grid.x(0) || low > grid.y(0) || high < grid.y(grid.ny - 1);
   }
@@ -73,15 +75,7 @@ void warn_of_missed(const Triangles& triangles, const Grid& grid, const Observer
                     format_angle(std::asin(acceptance_sine(triangles.acceptance_wavelength(), grid.pitch)))));
 }
 
-}  // namespace
-
-Field sum_triangles(const Triangles& triangles, const Grid& grid, double tolerance, const Observer& observer) {
-  check_grid(grid);
-  check_triangles(triangles);
-  check_field_fits(grid, sizeof(std::complex<float>));
-  require(!triangles.triangles.empty(), "expected at least one triangle, got none; is the scene lit and in view?");
-  require(tolerance > 0 && tolerance < 1, "expected a tolerance in (0, 1), got {}", tolerance);
-  warn_of_missed(triangles, grid, observer);
+Field sum_behind(const Triangles& triangles, const Grid& grid, double tolerance, const Observer& observer) {
   Field field(grid, triangles.wavelength);
   field.name = triangles.name;
   field.frame = triangles.frame;
@@ -119,6 +113,19 @@ Field sum_triangles(const Triangles& triangles, const Grid& grid, double toleran
   observer.fact("tile", fmt::format("{}x{}", choice.tile.columns, choice.tile.rows));
   observer.fact("expected_error", expected);
   return field;
+}
+
+}  // namespace
+
+Field sum_triangles(const Triangles& triangles, const Grid& grid, double tolerance, const Observer& observer) {
+  check_grid(grid);
+  check_triangles(triangles);
+  check_field_fits(grid, sizeof(std::complex<float>));
+  require(!triangles.triangles.empty(), "expected at least one triangle, got none; is the scene lit and in view?");
+  require(tolerance > 0 && tolerance < 1, "expected a tolerance in (0, 1), got {}", tolerance);
+  warn_of_missed(triangles, grid, observer);
+  return sum_by_kind(triangles, observer,
+                     [&](const Triangles& side, const Observer& o) { return sum_behind(side, grid, tolerance, o); });
 }
 
 }  // namespace holotrace

@@ -17,7 +17,7 @@ namespace holotrace {
 /// one whose error keeps the rest, measured at 2048 places drawn from these parts. Terms that are faint enough are left
 /// out.
 ///
-/// @param triangles  corners at z < 0 [m], at least one triangle
+/// @param triangles  corners at z < 0 or z > 0 [m], at least one triangle
 /// @param grid       panel pixels: nx, ny, pitch [m]
 /// @param tolerance  bound on the relative L2 error against sum_triangles_exact, 1e-5 or more
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]; the same bytes on any number of threads

@@ -7,14 +7,14 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/wave/sum_by_kind.h"
 #include "holotrace/wave/triangles/triangle_part.h"
 
 namespace holotrace {
 
-FieldDouble sum_triangles_exact(const Triangles& triangles, const Grid& grid, double bulge, const Observer& observer) {
-  check_grid(grid);
-  check_triangles(triangles);
-  check_field_fits(grid, sizeof(std::complex<double>));
+namespace {
+
+FieldDouble sum_behind_exactly(const Triangles& triangles, const Grid& grid, double bulge, const Observer& observer) {
   FieldDouble field(grid, triangles.wavelength);
   const std::vector<TrianglePart> parts = cut_triangles(triangles, grid, {.bulge = bulge});
   parallel_for(
@@ -29,8 +29,6 @@ FieldDouble sum_triangles_exact(const Triangles& triangles, const Grid& grid, do
       observer);
   return field;
 }
-
-namespace {
 
 // The padded window along one axis, centred on the panel.
 struct Axis {
@@ -54,12 +52,7 @@ Axis make_axis(int pixels, double pitch, double centre, double farthest, int pad
   return {length, length * pitch, centre};
 }
 
-}  // namespace
-
-FieldDouble sum_triangles_spectrum(const Triangles& triangles, const Grid& grid, int padding,
-                                   const Observer& observer) {
-  check_grid(grid);
-  check_triangles(triangles);
+FieldDouble spectrum_behind(const Triangles& triangles, const Grid& grid, int padding, const Observer& observer) {
   const double lambda = triangles.wavelength,
                tangent = acceptance_tangent(triangles.acceptance_wavelength(), grid.pitch);
   double far_x = 0, far_y = 0;
@@ -114,6 +107,25 @@ FieldDouble sum_triangles_spectrum(const Triangles& triangles, const Grid& grid,
   for (int j = 0; j < grid.ny; ++j)
     for (int i = 0; i < grid.nx; ++i) field.samples(j, i) = spectrum(j, i) * per_frequency;
   return field;
+}
+
+}  // namespace
+
+FieldDouble sum_triangles_exact(const Triangles& triangles, const Grid& grid, double bulge, const Observer& observer) {
+  check_grid(grid);
+  check_triangles(triangles);
+  check_field_fits(grid, sizeof(std::complex<double>));
+  return sum_by_kind(triangles, observer, [&](const Triangles& side, const Observer& o) {
+    return sum_behind_exactly(side, grid, bulge, o);
+  });
+}
+
+FieldDouble sum_triangles_spectrum(const Triangles& triangles, const Grid& grid, int padding,
+                                   const Observer& observer) {
+  check_grid(grid);
+  check_triangles(triangles);
+  return sum_by_kind(triangles, observer,
+                     [&](const Triangles& side, const Observer& o) { return spectrum_behind(side, grid, padding, o); });
 }
 
 }  // namespace holotrace

@@ -9,7 +9,7 @@ namespace holotrace {
 /// Field on the panel of emitting triangles (Triangle), each in the pixels that it lights (cut_triangles), pixel by
 /// pixel in double: the slow reference of sum_triangles, computed in space.
 ///
-/// @param triangles  corners at z < 0 [m]
+/// @param triangles  corners at z < 0 or z > 0 [m]
 /// @param grid       panel pixels: nx, ny, pitch [m]
 /// @param bulge      largest bulge of a part [rad], see PartLimits; the relative L2 error is about bulge²/13
 /// @return           complex amplitude, shape (ny, nx) [√(W/m²)]
