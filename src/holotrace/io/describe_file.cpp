@@ -57,7 +57,7 @@ Json describe(const Job& job) {
 }
 
 Json describe(const Sources& sources) {
-  double nearest = INFINITY, farthest = 0;
+  double nearest = INFINITY, farthest = -INFINITY;  // in front of the panel < 0
   for (const Source& s : sources.waves) {
     nearest = std::min(nearest, -s.origin.z);
     farthest = std::max(farthest, -s.origin.z);
