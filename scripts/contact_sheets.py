@@ -190,8 +190,12 @@ def make_table(output):
 
 def origin():
     """The commit and the processor that a table comes from."""
-    commit = subprocess.run(["git", "-C", str(ROOT), "describe", "--always", "--dirty"], capture_output=True, text=True,
-                            check=True).stdout.strip()
+    def git(*arguments):
+        return subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=True).stdout.strip()
+
+    commit = git("rev-parse", "--short=8", "HEAD")
+    if git("status", "--porcelain", "--", ".", ":!docs"):  # but for pictures and tables that are being renewed
+        commit += " with changes"
     names = re.findall(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
     processor = " ".join(names[0].split()) if names else platform.machine()
     return f"\nCommit {commit}, {os.cpu_count()} cores of {processor}; `scripts/figures --docs` measures it again.\n"
