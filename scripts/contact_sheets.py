@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Lays out what scripts/figures made: a contact sheet per figure and the table of times.
 
-Usage: scripts/contact_sheets.py DIR [--docs]
+Usage: scripts/contact_sheets.py DIR [--times] [--docs]
+
+  --times  only the table
+  --docs   also replaces the pictures and the table in docs/
 
 DIR holds a folder per scene with render.png, hologram.png, view.png, view_2.png, wide.png and report.json, and the
 reports synthesis_N.json and simulation_N.json of repeated measurements.
@@ -219,21 +222,19 @@ def renew_picture(name, sheet, width=1200, quality=75):
         ROOT / "docs" / "images" / f"{name}.jpg", quality=quality, optimize=True)
 
 
-def renew_docs(output, table):
-    for figure in FIGURES:
-        renew_picture(figure.name, Image.open(output / f"{figure.name}.png"))
-    renew_table("table1", table)
-
-
 def main():
     output = pathlib.Path(sys.argv[1])
-    for figure in FIGURES:
-        make_sheet(figure, output).save(output / f"{figure.name}.png")
+    is_for_docs = "--docs" in sys.argv[2:]
+    for figure in [] if "--times" in sys.argv[2:] else FIGURES:
+        sheet = make_sheet(figure, output)
+        sheet.save(output / f"{figure.name}.png")
         print(f"wrote {output / figure.name}.png", flush=True)
+        if is_for_docs:
+            renew_picture(figure.name, sheet)
     table = make_table(output)
     save_table(output, "table1", table)
-    if "--docs" in sys.argv[2:]:
-        renew_docs(output, table)
+    if is_for_docs:
+        renew_table("table1", table)
 
 
 if __name__ == "__main__":
