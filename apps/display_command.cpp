@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <map>
 #include <memory>
@@ -12,9 +11,9 @@
 #include "commands.h"
 #include "display/display_module.h"
 #include "flags.h"
+#include "hologram_flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
-#include "holotrace/io/picture/image_file.h"
 #include "program_module.h"
 
 namespace holotrace {
@@ -29,21 +28,11 @@ DisplayFunction load_display() {
   return reinterpret_cast<DisplayFunction>(function);
 }
 
-// The greys of a hologram as its file has them.
-std::vector<unsigned char> greys_of(const std::string& path) {
-  const Hologram hologram = load_hologram(path);
+void check_greys(const std::string& path, const Hologram& hologram) {
   require(hologram.levels <= 256 && hologram.modulation != Modulation::complex,
           "{}: expected a hologram of phase or amplitude with at most 256 levels, which a monitor output carries, got "
           "{} levels{}",
           path, hologram.levels, hologram.modulation == Modulation::complex ? " of phase and of amplitude" : "");
-  const Image image = load_image(path, ImageContent::data);
-  require(image.nx == hologram.grid.nx && image.ny == hologram.grid.ny, "{}: expected {} × {} pixels, got {} × {}",
-          path, hologram.grid.nx, hologram.grid.ny, image.nx, image.ny);
-  std::vector<unsigned char> greys;
-  for (int row = 0; row < image.ny; ++row)
-    for (int column = 0; column < image.nx; ++column)  // a grey picture may be stored as three equal colours
-      greys.push_back(static_cast<unsigned char>(std::lround(255 * double(image(row, column, 0)))));
-  return greys;
 }
 
 // Holograms of one series in the order in which they were written: a shell puts hologram_10.png before hologram_2.png.
@@ -65,6 +54,7 @@ void add_display_command(Command& app, const GlobalFlags& global) {
     std::vector<std::string> paths;
     int monitor = 1;
     double rate = 0, seconds = 0;
+    Flags flags;
   };
   auto o = std::make_shared<Options>();
   command
@@ -80,17 +70,21 @@ void add_display_command(Command& app, const GlobalFlags& global) {
                    "holograms per second; the monitor's refresh rate must be a multiple of it; 0: one per refresh [0]")
       ->type_name("HZ");
   command->add_option("--seconds", o->seconds, "duration; 0: until a click, q, Esc or Ctrl-C [0]")->type_name("S");
+  add_hologram_flags(*command, o->flags, {"image", "pitch", "range", "wavelength"});  // a monitor shows only greys
   command->callback([o, &global] {
     check_flag("--monitor", o->monitor, range::at_least(1), Quantity::count);
     check_flag("--rate", o->rate, range::not_negative, Quantity::number);
     check_flag("--seconds", o->seconds, range::not_negative, Quantity::number);
     sort_series(o->paths);
-    const Grid grid = load_hologram(o->paths.front()).grid;
+    Grid grid;  // of the first one
     std::vector<std::vector<unsigned char>> pictures;
     std::vector<const unsigned char*> greys;
     for (const std::string& path : o->paths) {
-      pictures.push_back(greys_of(path));
-      const Grid other = load_hologram(path).grid;
+      const Hologram hologram = load_hologram(path, apply_to_hologram(o->flags));
+      check_greys(path, hologram);
+      pictures.push_back(greys_of(hologram));
+      const Grid& other = hologram.grid;
+      if (pictures.size() == 1) grid = other;
       require(other.nx == grid.nx && other.ny == grid.ny,
               "expected holograms of one panel, but {} has {} × {} pixels and {} has {} × {}", o->paths.front(),
               grid.nx, grid.ny, path, other.nx, other.ny);

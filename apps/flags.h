@@ -60,6 +60,9 @@ class Flags {
   /// Whether the flag of that field was given.
   bool has(const std::string& name) const { return texts_.count(name) > 0; }
 
+  /// Texts of the flags that were given, by field.
+  const std::map<std::string, std::string>& texts() const { return texts_; }
+
   /// Sets the fields whose flags were given. @throws Error for a text that is not a valid value.
   template <class Params>
   void apply(Params& params) const {

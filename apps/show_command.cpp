@@ -10,11 +10,13 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "hologram_flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/panel_hologram_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/report_file.h"
 #include "holotrace/io/run/save_views.h"
@@ -24,13 +26,6 @@
 
 namespace holotrace {
 namespace {
-
-// Adds what a PNG without metadata does not contain.
-void complete(const std::string& path, const Slm& slm, double wavelength, Hologram& hologram) {
-  if (hologram.grid.pitch == 0) hologram.grid.pitch = slm.grid.pitch;
-  if (hologram.wavelength == 0) hologram.wavelength = wavelength;
-  require(hologram.wavelength > 0, "{} has no metadata with its wavelength; give --wavelength", path);
-}
 
 // The hologram files of the inputs: those of a run in place of its folder.
 std::vector<std::string> hologram_files(const std::vector<std::string>& inputs) {
@@ -113,7 +108,7 @@ void add_show_command(Command& app, const GlobalFlags& global) {
           "distance between two eyes along x, about --eye: adds NAME_left, NAME_right and NAME_anaglyph at the "
           "first distance; needs a pupil [0 m: none]")
       ->type_name("LENGTH");
-  o->flags.add(*command, HologramParams(), {}, "Holograms of other programs");
+  add_hologram_flags(*command, o->flags, {"wavelength"});  // it is the illumination's flag
   o->flags.add(*command, ShowParams());
   const std::string kept = "as the first hologram's run";
   o->flags.add(*command, CameraParams(), {}, "", {{"distances", kept}, {"pupil", kept}, {"eye", kept}});
@@ -149,19 +144,7 @@ void add_show_command(Command& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Report report;
     const HologramSeries holograms{
-        inputs.size(), [&](size_t i) {
-          const std::string& path = inputs[i];
-          HologramParams given;
-          Hologram hologram = load_hologram(path, [&](HologramParams& of_file) {
-            o->flags.apply(of_file);
-            given = of_file;
-          });
-          Slm slm = !o->slm.empty() ? slm_by_name(o->slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
-          complete(path, slm, params.wavelength, hologram);
-          if (o->slm.empty()) slm.grid = hologram.grid;
-          if (given.range > 0) slm.phase_range = given.range;
-          return PanelHologram{std::move(hologram), std::move(slm)};
-        }};
+        inputs.size(), [&](size_t i) { return load_panel_hologram(inputs[i], o->slm, apply_to_hologram(o->flags)); }};
     const SeriesViews seen = view_holograms(holograms, {params, propagation, camera, from}, report, console.stages());
     console.finish();
     const std::string name = std::filesystem::path(o->output).filename().string();

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "hologram_flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/listener.h"
@@ -56,6 +57,7 @@ void add_view_command(Command& app, const GlobalFlags& global) {
     std::string slm, address = "127.0.0.1", idle = "30 min";
     int port = 0;
     bool has_no_browser = false;
+    Flags flags;
   };
   auto o = std::make_shared<Options>();
   command
@@ -74,11 +76,12 @@ void add_view_command(Command& app, const GlobalFlags& global) {
                    "knows the printed URL see these files [127.0.0.1]")
       ->type_name("ADDRESS");
   command->add_option("--idle", o->idle, "time without use after which the server ends [30 min]")->type_name("TIME");
+  add_hologram_flags(*command, o->flags);
   command->callback([o, &global] {
     check_port(o->port);
     const double idle_seconds = parse_idle(o->idle);
     Console console(global.is_quiet);
-    Session session(o->paths, {o->slm, global.outside(), console.stages()});
+    Session session(o->paths, {o->slm, global.outside(), console.stages(), o->flags.texts()});
     console.finish();
     if (const std::string why = session.why_empty(); !why.empty()) fail("{}", why);
     std::unique_ptr<Answers> answers;

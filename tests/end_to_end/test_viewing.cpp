@@ -74,6 +74,34 @@ TEST(Viewing, HologramsOfOtherProgramsAreShownAsTheirFlagsSay) {
   refused({"show", "out/hologram.png", "-o", "v.png", "--levels", "4"},
           "expected levels and modulation only for files without metadata");
   refused({"show", "other.png", "-o", "v.png", light, green, "--image", "left"}, "virtual");
+  refused({"show", "other.png", "-o", "v.png"}, "other.png has no metadata; give --wavelength");
+}
+
+TEST(Viewing, InfoDescribesHologramsOfOtherProgramsAsTheirFlagsSay) {
+  Workplace work;
+  with_points(work).write("scene.toml", scene());
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "out"}).exit_code, 0);
+  work.write("other.png", work.read("out/hologram.png"));
+  drop_metadata(work.path("other.png"));
+  const auto facts = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"info", "--json"});
+    const Outcome outcome = work.run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  EXPECT_EQ(facts({"other.png"})["kind"], "image");
+  const nlohmann::json told = facts({"other.png", "--image", "real", "--wavelength", "532 nm", "--pitch", "6 um"});
+  EXPECT_EQ(told["kind"], "hologram");
+  EXPECT_EQ(told["image"], "real");
+  EXPECT_EQ(told["wavelength"], "532 nm");
+  EXPECT_EQ(told["pitch"], "6 µm");
+  EXPECT_EQ(told["levels"], 256);
+  EXPECT_FALSE(facts({"other.png", "--modulation", "amplitude"}).contains("wavelength"));
+  const Outcome scene_told = work.run({"info", "scene.toml", "--image", "real"});
+  EXPECT_EQ(scene_told.exit_code, 1);
+  EXPECT_NE(scene_told.err.find("--image is for holograms .png, but scene.toml is none; leave out --image"),
+            std::string::npos)
+      << scene_told.err;
 }
 
 TEST(Viewing, IsTheWeightedSumOverIlluminationStates) {

@@ -76,6 +76,30 @@ position = "0.5 0 -60 mm"
 """
 
 
+# Two lamps, one in front of the panel, on the left, and one behind it, on the right.
+FRONT = """
+extends = "scene.toml"
+light = []
+[camera]
+distances = "-30 mm"
+[materials.lamp]
+type = "diffuse"
+emission = 1
+[[object]]
+type = "quad"
+material = "lamp"
+width = "0.7 mm"
+height = "0.9 mm"
+position = "-0.5 0 30 mm"
+[[object]]
+type = "quad"
+material = "lamp"
+width = "0.3 mm"
+height = "0.3 mm"
+position = "0.2 0 -60 mm"
+"""
+
+
 def wait_until(work, seconds=20, what="the page"):
     end = time.time() + seconds
     while time.time() < end:
@@ -287,10 +311,7 @@ class Page(unittest.TestCase):
         with open(scene, "w") as file:
             file.write('extends = "scene.toml"\n[camera]\ndistances = "60 mm"\npupil = "1 mm"\neye = "0.2 0 50 mm"\n')
         subprocess.run([PROGRAM, "-q", "run", scene, "-o", folder], check=True)
-        server = Server(folder)
-        self.addCleanup(server.stop)
-        self.browser.get(server.url)
-        self.settle()
+        self.open_other(folder)
         self.assertEqual(self.distance(), 60)
         self.assertEqual([float(self.get(name).get_attribute("value")) for name in ("pupil", "eye-x", "eye-z")], [1, 0.2, 50])
         self.assert_view_is_that_of_show()
@@ -298,6 +319,58 @@ class Page(unittest.TestCase):
         self.change(lambda: self.set_number("pupil", 0))  # all light of the panel
         self.assert_view_is_that_of_show()
         self.assertNotEqual(self.canvas().tobytes(), through_pupil.tobytes())
+
+    def open_other(self, *arguments):
+        """The page of other files than those of setUp."""
+        server = Server(*arguments)
+        self.addCleanup(server.stop)
+        self.browser.get(server.url)
+        self.settle()
+
+    def slider(self):
+        """The ends of the slider of distances, and where it stands [mm]."""
+        return [float(self.get("distance").get_attribute(name)) for name in ("min", "max", "value")]
+
+    def test_focuses_in_front_of_the_panel(self):
+        folder = os.path.join(self.folder, "front")
+        scene = os.path.join(self.folder, "front.toml")
+        with open(scene, "w") as file:
+            file.write(FRONT)
+        subprocess.run([PROGRAM, "-q", "run", scene, "-o", folder], check=True)
+        self.open_other(folder)
+        self.assertEqual(self.distance(), -30)
+        self.assert_view_is_that_of_show()
+        low, high, at = self.slider()
+        self.assertLess(low, -30)
+        self.assertGreater(high, 60)
+        self.assertEqual(at, -30)
+        frame = self.get("frame")
+        self.change(lambda: self.set_number("distance-number", 0.4))
+        self.change(lambda: frame.send_keys(Keys.ARROW_DOWN))  # through the panel
+        self.assertLess(self.distance(), 0)
+        self.assert_view_is_that_of_show()
+        self.change(lambda: self.set_number("distance", -25.5))  # the slider
+        self.assertEqual(self.distance(), -25.5)
+        before = self.distance()
+        self.change(lambda: ActionChains(self.browser).scroll_from_origin(
+            webdriver.common.actions.wheel_input.ScrollOrigin.from_element(frame), 0, 100).perform())
+        self.assertLess(self.distance(), before)
+        self.change(lambda: self.set_number("distance-number", -80))  # beyond the slider, which follows
+        self.assertLess(self.slider()[0], -80)
+        self.assertEqual(self.slider()[2], -80)
+        for side, depth in ((0.078, 60), (-0.195, -30)):  # 0.2 mm and −0.5 mm of the panel's 2.56 mm
+            self.change(lambda: self.set_number("distance-number", depth + 0.1))
+            self.click_beside_the_middle(side)
+            self.assertAlmostEqual(self.distance(), depth, delta=0.01)
+
+    def test_shows_holograms_of_other_programs(self):
+        path = os.path.join(self.folder, "other.png")
+        Image.open(os.path.join(self.out, "hologram.png")).convert("L").save(path)  # without metadata
+        self.open_other(path, "--wavelength", "532 nm", "--image", "real", "--pitch", "8 um")
+        self.change(lambda: self.set_number("distance-number", -40))
+        self.assertIn("--image real", self.get("command").text)
+        self.assert_view_is_that_of_show()
+        self.assertLess(self.slider()[0], -40)
 
     def test_survives_reload_and_two_tabs(self):
         self.change(lambda: self.set_number("distance-number", 50))

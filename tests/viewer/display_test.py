@@ -23,16 +23,17 @@ if not shutil.which("Xvfb") or not os.path.exists(os.path.join(os.path.dirname(P
 COLUMNS, ROWS = 320, 180
 
 
-def png(path, greys, columns=COLUMNS, rows=ROWS):
-    """A grey PNG of 8 bits with the metadata of a hologram, without any code of the program."""
+def png(path, greys, columns=COLUMNS, rows=ROWS, bits=8, has_metadata=True):
+    """A grey PNG with the metadata of a hologram, without any code of the program. `greys` are its big-endian bytes."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    lines = b"".join(b"\0" + greys[j * columns:(j + 1) * columns] for j in range(rows))
+    row = columns * bits // 8
+    lines = b"".join(b"\0" + greys[j * row:(j + 1) * row] for j in range(rows))
     text = b"holotrace\0" + b'{"kind": "hologram", "pitch_m": 8e-06, "wavelength_m": 5.32e-07, "levels": 256, ' \
                             b'"modulation": "phase", "image": "virtual", "encoder": "phase"}'
     with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)) +
-                   chunk(b"tEXt", text) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, bits, 0, 0, 0, 0)) +
+                   (chunk(b"tEXt", text) if has_metadata else b"") + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
 
 
 class Display(unittest.TestCase):
@@ -97,6 +98,22 @@ class Display(unittest.TestCase):
         self.assertEqual(len(seen), 7)
         for before, after in zip(seen, seen[1:]):
             self.assertEqual(after, (before + 1) % 3, seen)
+
+    def test_shows_levels_of_other_programs(self):
+        """16 levels in 16 bits without metadata: level l is the grey 4096 l of the file, and 16 l on the monitor."""
+        path = os.path.join(self.folder, "other.png")
+        levels = [greys % 16 for greys in self.greys[1]]
+        png(path, struct.pack(f">{len(levels)}H", *(4096 * level for level in levels)), bits=16, has_metadata=False)
+        run = self.run_display(path, "--seconds", "1")
+        self.assertIn("at most 256 levels", run.stderr)
+        job = subprocess.Popen([PROGRAM, "display", path, "--levels", "16"], env=self.environment,
+                               stdout=subprocess.PIPE, text=True)
+        expected, end = bytes(16 * level for level in levels), time.time() + 15
+        while self.screen() != expected and time.time() < end:
+            time.sleep(0.05)
+        self.assertEqual(self.screen(), expected)
+        job.send_signal(signal.SIGINT)
+        job.communicate(timeout=20)
 
     def test_counts_what_it_shows(self):
         run = self.run_display(*self.paths, "--seconds", "1")

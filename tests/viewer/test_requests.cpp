@@ -79,6 +79,8 @@ TEST(Requests, NameWhatIsWrong) {
 TEST(Requests, BecomeArgumentsOfShow) {
   EXPECT_EQ(show_arguments({{"draft", "1"}, {"eye", "0 0 250 mm"}, {"focal-length", "17 mm"}, {"items", "0"}}),
             (std::vector<std::string>{"--eye", "0 0 250 mm", "--focal-length", "17 mm"}));
+  EXPECT_EQ(show_arguments({{"image", "real"}, {"wavelength", "532 nm"}}),
+            (std::vector<std::string>{"--image", "real", "--wavelength", "532 nm"}));
 }
 
 TEST(Requests, QuoteWordsForAShell) {

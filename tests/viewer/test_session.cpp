@@ -13,11 +13,13 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/viewer/session.h"
+#include "support/png.h"
 #include "support/temporary.h"
 #include "viewer/holograms.h"
 
@@ -224,6 +226,28 @@ TEST(Session, SumsSources) {
   const std::string panel = make_file("panel.toml", "[slm]\ncolumns = 80\nrows = 60\npitch = \"8 um\"\n");
   Session on_another({path}, {.slm = panel});
   EXPECT_EQ(Json::parse(on_another.describe())["panel"]["columns"], 80);
+}
+
+// Levels without metadata, as another program writes them: flags say the rest.
+TEST(Session, ShowsHologramsOfOtherProgramsAsTheirFlagsSay) {
+  Hologram hologram = random_hologram(532e-9, 0);
+  hologram.image = ImageSide::real_image;
+  hologram.grid.pitch = 6e-6;
+  const std::string path = folder_of({hologram}) + "/hologram.png";
+  drop_metadata(path);
+  const std::string panel = make_file("panel.toml", "[slm]\ncolumns = 64\nrows = 48\npitch = \"6 um\"\n");
+  hologram.slm = load_slm(panel);
+  hologram.slm->phase_range = 3;
+  const std::map<std::string, std::string> flags{{"image", "real"}, {"wavelength", "532 nm"}, {"range", "3 rad"}};
+  Session session({path}, {.slm = panel, .hologram = flags});
+  const ViewState state = session.state_of({{"distance", "-20 mm"}});
+  EXPECT_EQ(session.view(state)->image.values, as_show_makes_it({hologram}, state).image.values);
+  EXPECT_EQ(session.command_line({{"distance", "-20 mm"}}),
+            "holotrace show " + shell_word(path) + " --slm " + shell_word(panel) +
+                " --distance '-20 mm' --image real --range '3 rad' --wavelength '532 nm' -o view.png");
+  EXPECT_NE(Session({path}).why_empty().find("has no metadata; give --wavelength"), std::string::npos);
+  EXPECT_EQ(error_of([&] { Session({panel}, {.hologram = flags}); }),
+            "--image is for holograms, but " + panel + " is none; leave out --image");
 }
 
 TEST(Session, LeavesOutFarImagesFromItsDepths) {

@@ -184,15 +184,14 @@ std::string lengths_text(const std::vector<double>& lengths) {
 }
 
 Json describe_hologram(const Hologram& hologram) {
-  Json json{{"kind", "hologram"},
-            {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)},
-            {"pitch", format_length(hologram.grid.pitch)},
-            {"wavelength", format_length(hologram.wavelength)},
-            {"levels", hologram.levels},
-            {"modulation", modulation_name(hologram.modulation)},
-            {"image", hologram.image == ImageSide::real_image ? "real" : "virtual"},
-            {"encoder", hologram.encoder},
-            {"illumination_w_per_m2", hologram.illumination}};
+  Json json{{"kind", "hologram"}, {"pixels", size_text(hologram.grid.nx, hologram.grid.ny)}};
+  if (hologram.grid.pitch > 0) json["pitch"] = format_length(hologram.grid.pitch);
+  if (hologram.wavelength > 0) json["wavelength"] = format_length(hologram.wavelength);
+  json["levels"] = hologram.levels;
+  json["modulation"] = modulation_name(hologram.modulation);
+  json["image"] = hologram.image == ImageSide::real_image ? "real" : "virtual";
+  if (!hologram.encoder.empty()) json["encoder"] = hologram.encoder;
+  json["illumination_w_per_m2"] = hologram.illumination;
   add_part(hologram.name, hologram.frame, json);
   add_viewing(hologram.viewing, json);
   return json;

@@ -16,7 +16,7 @@ namespace holotrace {
 /// @throws Error  as the loaders do
 nlohmann::ordered_json describe_file(const std::string& path, Outside outside = Outside::refused);
 
-/// The content of a hologram: its pixels, its light, and where its run focused.
+/// The content of a hologram: its pixels, its light, and where its run focused. What is not known is left out.
 nlohmann::ordered_json describe_hologram(const Hologram& hologram);
 
 /// Lengths with their units, in a row: "638 nm, 520 nm".

@@ -5,23 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/data/hologram.h"
+#include "holotrace/data/panel_hologram.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/report.h"
-#include "holotrace/data/slm.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/run/view_series.h"
 #include "holotrace/run/viewpoints.h"
 
 namespace holotrace {
-
-/// A hologram, and the panel that shows it.
-struct PanelHologram {
-  Hologram hologram;  ///< with its pitch and wavelength
-  Slm slm;
-};
 
 /// Holograms that are shown one after the other. Memory holds one of them at a time.
 struct HologramSeries {

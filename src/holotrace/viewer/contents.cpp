@@ -7,11 +7,12 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/data/params/text_setter.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/progress_file.h"
+#include "holotrace/io/panel_hologram_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
@@ -43,17 +44,14 @@ Observer watch_stage(const ContentsParams& params, const char* stage) {
   return params.watch ? params.watch(stage) : Observer{};
 }
 
+std::string flag_of(const std::string& field) { return "--" + field; }
+
 ViewedItem item_of_hologram(const std::string& path, const ContentsParams& params) {
-  ViewedItem item{path, load_hologram(path), {}, {}};
-  Hologram& hologram = item.hologram;
-  item.slm = !params.slm.empty() ? load_slm(params.slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
-  if (hologram.grid.pitch == 0) hologram.grid.pitch = item.slm.grid.pitch;
-  require(hologram.wavelength > 0,
-          "expected a hologram with its metadata, but {} has none; holotrace show takes it for a hologram with "
-          "--wavelength, and holotrace encode makes a hologram of a picture",
-          path);
-  if (params.slm.empty()) item.slm.grid = hologram.grid;
-  return item;
+  PanelHologram of_file = load_panel_hologram(path, params.slm, [&](HologramParams& of_hologram) {
+    TextSetter setter(params.hologram, flag_of);
+    describe(setter, of_hologram);
+  });
+  return {path, std::move(of_file.hologram), std::move(of_file.slm), {}};
 }
 
 ViewedItem item_of_field(const std::string& path, Field field, const ContentsParams& params) {
@@ -211,7 +209,11 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
   if (paths.size() > 1 || extension_of(path) == ".png") {
     contents.kind = "holograms";
     add_holograms(paths, params, contents);
-  } else if (is_one_of(extension_of(path), {".toml", ".obj", ".gltf", ".glb"})) {
+    return contents;
+  }
+  if (!params.hologram.empty())
+    fail("{0} is for holograms, but {1} is none; leave out {0}", flag_of(params.hologram.begin()->first), path);
+  if (is_one_of(extension_of(path), {".toml", ".obj", ".gltf", ".glb"})) {
     contents.kind = "scene";
     add_scene(path, params, contents);
   } else if (extension_of(path) == ".ply") {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,7 +31,7 @@ std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& sho
 
 /// A point of the scene, for pictures in space.
 struct SpacePoint {
-  Vec3 place;            ///< [m], z < 0
+  Vec3 place;            ///< [m]; z < 0 behind the panel
   float brightness = 1;  ///< amplitude, relative to the brightest
 };
 
@@ -52,11 +53,14 @@ struct ContentsParams {
   std::string slm{};  ///< panel: preset name or file; "": the one of each hologram, or pluto
   Outside outside = Outside::refused;
   StageObserver watch{};  ///< of what takes time: tracing a scene, summing sources
+  std::map<std::string, std::string>
+      hologram{};  ///< texts of given fields of HologramParams, as holotrace show takes them
 };
 
 /// Reads a folder of `holotrace run`, holograms, a field, sources (their field is summed) or a scene (it is traced).
 /// A file that is missing or damaged becomes a problem, and the others are shown.
 /// @param paths  one path, or several holograms
+/// @throws Error for paths that do not exist or are of no such kind, and for what is said of holograms if there are none
 Contents load_contents(const std::vector<std::string>& paths, const ContentsParams& params);
 
 /// Changes whenever the files of the paths that load_contents reads are written again.

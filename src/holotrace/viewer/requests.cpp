@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/printable.h"
 #include "holotrace/base/suggest.h"
+#include "holotrace/data/params/hologram.h"
 #include "holotrace/data/params/text_setter.h"
 
 namespace holotrace {
@@ -87,17 +88,18 @@ struct Names {
   }
 };
 
-// The fields that a query can set, by their keys.
+// Fields of parameter sets by their keys.
+template <class... Params>
+std::map<std::string, std::string> fields_of(Params... params) {
+  std::map<std::string, std::string> found;
+  Names names{found};
+  (describe(names, params), ...);
+  return found;
+}
+
+// The fields that a query can set.
 const std::map<std::string, std::string>& fields_by_key() {
-  static const std::map<std::string, std::string> fields = [] {
-    std::map<std::string, std::string> found;
-    Names names{found};
-    ShowParams show;
-    CameraParams camera;
-    describe(names, show);
-    describe(names, camera);
-    return found;
-  }();
+  static const std::map<std::string, std::string> fields = fields_of(ShowParams(), CameraParams());
   return fields;
 }
 
@@ -169,9 +171,10 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
 }
 
 std::vector<std::string> show_arguments(const Query& query) {
+  static const std::map<std::string, std::string> flags = fields_of(ShowParams(), CameraParams(), HologramParams());
   std::vector<std::string> arguments;
   for (const auto& [key, value] : query)
-    if (fields_by_key().count(key) > 0) {
+    if (flags.count(key) > 0) {
       arguments.push_back("--" + key);
       arguments.push_back(value);
     }

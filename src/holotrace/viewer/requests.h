@@ -29,6 +29,7 @@ Query parse_query(const std::string& text);
 ViewState view_state(const Query& query, const ViewState& defaults, size_t items);
 
 /// The arguments of `holotrace show` that give the same picture: flags and texts of the query, in the order of the keys.
+/// They include those of holograms of other programs, which a page cannot set.
 std::vector<std::string> show_arguments(const Query& query);
 
 /// The text as one word of a POSIX shell.

@@ -45,6 +45,7 @@ std::string Session::command_line(const Query& query) {
     full.try_emplace("eye", fmt::format("{} {} {} m", state.camera.eye.x, state.camera.eye.y, state.camera.eye.z));
   }
   if (defaults_.camera.binning != 0) full.try_emplace("binning", fmt::format("{}", defaults_.camera.binning));
+  for (const auto& [field, text] : params_.hologram) full.try_emplace(field, text);
   for (const std::string& argument : show_arguments(full)) line.append(" ").append(shell_word(argument));
   return line + " -o view.png";
 }

@@ -191,6 +191,24 @@ TEST(Gltf, VertexColoursAreLinear) {
   EXPECT_TRUE(mesh.normals.empty());  // flat shading, as the standard requires for models without normals
 }
 
+TEST(Gltf, AlphaOfVertexColoursIsNamedWhereTheMaterialAsksForIt) {
+  GltfTriangle triangle;
+  triangle.primitives = R"([{"attributes": {"POSITION": 0, "COLOR_0": 3}, "indices": 4, "material": 0}])";
+  const auto warnings = [&](const char* materials, uint8_t alpha) {
+    triangle.materials = materials;
+    triangle.colours[7] = alpha;  // of the second vertex
+    return load(triangle).warnings;
+  };
+  const char* const sentence = "mesh \"triangle\" has transparent vertex colours (alpha); they are shown opaque";
+  for (const char* materials : {R"([{"alphaMode": "BLEND"}])", R"([{"alphaMode": "MASK"}])"}) {
+    const std::vector<std::string> told = warnings(materials, 254);
+    EXPECT_NE(told.back().find(sentence), std::string::npos) << told.back();
+    for (const std::string& opaque : warnings(materials, 255))
+      EXPECT_EQ(opaque.find(sentence), std::string::npos) << opaque;
+  }
+  EXPECT_TRUE(warnings("[{}]", 128).empty());  // alphaMode OPAQUE: "the alpha value is ignored"
+}
+
 // The triangle is counter-clockwise about +z. A mirrored copy in x still faces +z, with its corners in another order.
 TEST(Gltf, AMirroringNodeKeepsTheFrontInFront) {
   GltfTriangle triangle;

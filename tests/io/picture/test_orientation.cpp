@@ -33,16 +33,16 @@ std::string exif(int orientation, bool is_little) {
          std::string("abc\0", 4) + two(0x112) + two(3) + four(1) + two(uint32_t(orientation)) + two(0) + four(0);
 }
 
-// The PNG with chunks before its pixels, and without its own word on colours.
-void set_chunks(const std::string& path, const std::vector<std::string>& chunks) {
+// The PNG with chunks before its pixels, or after them (before IEND), and without its own word on colours.
+void set_chunks(const std::string& path, const std::vector<std::string>& chunks, const char* before = "IDAT") {
   const std::string png = read_text(path);
   std::string bytes = png.substr(0, 8);
   bool is_first = true;
   test::for_each_chunk(png, [&](const std::string& type, const std::string&, size_t begin, size_t end) {
-    if (type == "IDAT" && is_first)
+    if (type == before && is_first)
       for (const std::string& chunk : chunks)
         bytes += big_endian(uint32_t(chunk.size() - 4)) + chunk + big_endian(test::crc_of(chunk));
-    is_first = is_first && type != "IDAT";
+    is_first = is_first && type != before;
     if (type != "sRGB" && type != "gAMA" && type != "cHRM") bytes += png.substr(begin, end - begin);
   });
   std::ofstream(path, std::ios::binary) << bytes;
@@ -75,9 +75,12 @@ void expect_upright(const Image& image, int orientation) {
 TEST(PictureOrientation, APngStandsAsItsExifSays) {
   for (int orientation = 1; orientation <= 8; ++orientation)
     for (const bool is_little : {false, true}) {
-      const std::string path = six_pixels("turned.png");
-      set_chunks(path, {"sRGB" + std::string(1, '\0'), "eXIf" + exif(orientation, is_little)});
-      expect_upright(load_image(path), orientation);
+      for (const char* before :
+           {"IDAT", "IEND"}) {  // the PNG specification lets eXIf stand on either side of the pixels
+        const std::string path = six_pixels("turned.png");
+        set_chunks(path, {"eXIf" + exif(orientation, is_little)}, before);
+        expect_upright(load_image(path), orientation);
+      }
     }
 }
 

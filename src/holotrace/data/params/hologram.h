@@ -2,6 +2,7 @@
 
 #include "holotrace/data/params/choice.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/slm.h"
 
 namespace holotrace {
 
@@ -12,6 +13,7 @@ struct HologramParams {
   int levels = 0;                              ///< number of levels; 0: all greys of its bits
   double pitch = 0;                            ///< pixel pitch [m]; 0: the panel's
   double range = 0;                            ///< phase range (Slm::phase_range) [rad]; 0: the panel's own
+  double wavelength = 0;                       ///< that it was made for [m]; 0: not known
 };
 
 template <class Visitor>
@@ -25,6 +27,7 @@ void describe(Visitor& v, HologramParams& p) {
   v.length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's");
   v.angle("range", p.range, range::not_negative,
           "phase range of the panel, 360 deg if its levels make a whole turn; 0 deg: the panel's own");
+  v.length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known");
 }
 
 }  // namespace holotrace

@@ -19,6 +19,10 @@ double grey_scale(int levels, Modulation modulation, int bits) {
 
 }  // namespace
 
+uint16_t grey_of(uint16_t level, int levels, Modulation modulation, int bits) {
+  return uint16_t(std::lround(level * grey_scale(levels, modulation, bits)));
+}
+
 Greys read_greys(const std::string& path) {
   const std::optional<Picture> picture = read_picture(path);
   require(picture.has_value(),
@@ -44,12 +48,11 @@ Greys read_greys(const std::string& path) {
 void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
                  const std::string& metadata) {
   const int bits = levels <= 256 ? 8 : 16;
-  const double scale = grey_scale(levels, modulation, bits);
   std::vector<uint16_t> greys;
   greys.reserve(levels_of_pixels.size());
   for (uint16_t level : levels_of_pixels.values) {
     require(level < levels, "expected levels below {} in the hologram to save as {}, got {}", levels, path, level);
-    greys.push_back(uint16_t(std::lround(level * scale)));
+    greys.push_back(grey_of(level, levels, modulation, bits));
   }
   const std::vector<uint8_t> bytes(greys.begin(), greys.end());
   PngHeader header{levels_of_pixels.nx, levels_of_pixels.ny, 1, bits, false, {}};

@@ -20,6 +20,9 @@ struct Greys {
   std::vector<uint16_t> values;  ///< [row][column]
 };
 
+/// The grey of a level, in 8 or 16 bits.
+uint16_t grey_of(uint16_t level, int levels, Modulation modulation, int bits);
+
 /// @throws Error naming the file if it is not a grey image of 8 or 16 bits, or is truncated
 Greys read_greys(const std::string& path);
 

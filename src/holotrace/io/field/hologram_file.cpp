@@ -236,6 +236,14 @@ void save_holograms(const OutputSet& set, const std::string& name, const std::ve
   }
 }
 
+std::vector<uint8_t> greys_of(const Hologram& hologram) {
+  require(hologram.levels <= 256, "expected at most 256 levels for greys of 8 bits, got {}", hologram.levels);
+  std::vector<uint8_t> greys;
+  for (const uint16_t level : hologram.level.values)
+    greys.push_back(uint8_t(grey_of(level, hologram.levels, hologram.modulation, 8)));
+  return greys;
+}
+
 bool is_hologram_file(const std::string& path) {
   std::error_code ignored;
   if (extension_of(path) != ".png" || !std::filesystem::is_regular_file(path, ignored)) return false;
@@ -265,7 +273,7 @@ ViewingConditions viewing_of_file(const std::string& path) {
   return json.contains("viewing") ? viewing_from(json["viewing"], beside.empty() ? path : beside) : ViewingConditions();
 }
 
-Hologram load_hologram(const std::string& path, const std::function<void(HologramParams&)>& complete) {
+Hologram load_hologram(const std::string& path, const CompleteHologram& complete) {
   check_file_exists(path, "a hologram");
   const Greys greys = read_greys(path);
   Hologram hologram;
@@ -300,7 +308,7 @@ Hologram load_hologram(const std::string& path, const std::function<void(Hologra
   }
   if (complete) {
     const bool has_metadata = is_inside || !beside.empty();
-    HologramParams given{hologram.image, hologram.modulation, hologram.levels, hologram.grid.pitch, 0};
+    HologramParams given{hologram.image, hologram.modulation, hologram.levels, hologram.grid.pitch, 0, 0};
     complete(given);
     require(!has_metadata || (given.levels == hologram.levels && given.modulation == hologram.modulation),
             "expected levels and modulation only for files without metadata; {} says that it has {} levels", path,
@@ -309,6 +317,7 @@ Hologram load_hologram(const std::string& path, const std::function<void(Hologra
     hologram.image = given.image;
     hologram.modulation = given.modulation;
     hologram.grid.pitch = given.pitch;
+    if (hologram.wavelength == 0) hologram.wavelength = given.wavelength;
   }
   hologram.level = levels_of(greys, hologram.levels, hologram.modulation, path, sidecar);
   if (hologram.modulation == Modulation::complex) {

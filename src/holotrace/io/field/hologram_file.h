@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -38,6 +39,9 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
 /// Writes a series of holograms into a set as NAME, NAME_2, …; the first one records the others.
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms);
 
+/// The 8-bit greys of a hologram's levels, by the formula above, [row][column]. @throws Error for more than 256 levels
+std::vector<uint8_t> greys_of(const Hologram& hologram);
+
 /// Whether a file is a PNG with the metadata of a hologram.
 bool is_hologram_file(const std::string& path);
 
@@ -49,11 +53,15 @@ FileRecord hologram_record(const std::string& path);
 /// @throws Error  if there is no such file, and as load_hologram does for damaged metadata
 ViewingConditions viewing_of_file(const std::string& path);
 
+/// Changes what a hologram's file says of itself, or says it if the file has no metadata.
+using CompleteHologram = std::function<void(HologramParams&)>;
+
 /// Reads what save_hologram wrote, and the sidecars NAME.json of earlier versions. Without metadata: a phase hologram of 256 or 65536 levels by the
 /// bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.
 /// @throws Error naming the file if it is not an image, has colours, or has greys that are no level; and if a
-///         phase map or amplitudes that the metadata name are missing
-/// @param complete  changes what the file says of itself, or says it if the file has no metadata
-Hologram load_hologram(const std::string& path, const std::function<void(HologramParams&)>& complete = {});
+///         phase map or amplitudes that the metadata name are missing; for other levels or another modulation than
+///         those of the metadata
+/// @param complete  asked for what flags say; the wavelength counts only for a file without metadata
+Hologram load_hologram(const std::string& path, const CompleteHologram& complete = {});
 
 }  // namespace holotrace

@@ -178,6 +178,7 @@ class GltfReader {
     if (attributes.contains("NORMAL")) mesh.normals = vectors(attributes, "NORMAL", count);
     read_coordinates(attributes, materials_[material].coordinates.set, count, mesh);
     if (attributes.contains("COLOR_0")) {
+      warn_of_alpha(attributes, count, material, name);
       mesh.colours = vectors(attributes, "COLOR_0", count);
       for (Vec3& c : mesh.colours)
         for (double* channel : {&c.x, &c.y, &c.z}) *channel = *channel > 0 ? std::min(*channel, 1.0) : 0.0;
@@ -193,6 +194,19 @@ class GltfReader {
     const bool is_skin = !joints.empty() && attributes.contains("JOINTS_0") && attributes.contains("WEIGHTS_0");
     if (is_skin) bend(attributes, joints, mesh);
     reader_.add(std::move(mesh), materials_[material], is_skin ? Frame{} : frame);
+  }
+
+  // Vertex colours with alpha that the material asks to show.
+  void warn_of_alpha(const Json& attributes, size_t count, size_t material, const std::string& name) {
+    const Json& materials = list(gltf_.document, "materials");
+    const bool is_opaque = material >= materials.size() || materials[material].value("alphaMode", "OPAQUE") == "OPAQUE";
+    if (is_opaque || accessor(attributes, "COLOR_0").at("type") != "VEC4") return;
+    const std::vector<double> colours = values(attributes, "COLOR_0", count, 4);
+    for (size_t i = 0; i < count; ++i)
+      if (colours[4 * i + 3] < 1)
+        return reader_.warn(
+            "alpha of vertices",
+            fmt::format("mesh \"{}\" has transparent vertex colours (alpha); they are shown opaque", name));
   }
 
   const Json& accessor(const Json& parent, const char* key) const {

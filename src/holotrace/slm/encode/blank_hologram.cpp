@@ -40,9 +40,10 @@ bool can_allow_for(const std::string& effect, const EncodeParams& params, const 
   if (params.method == Encoding::sgd) return effect != "flicker";
   if (effect == "calibration") return modulation_of(params, slm) != Modulation::amplitude;
   if (effect == "aberration" || effect == "phase-map") return params.method != Encoding::amplitude;
-  return effect == "light-map" && (params.method == Encoding::amplitude || params.method == Encoding::complex ||
-                                   params.method == Encoding::off_axis || params.method == Encoding::double_phase ||
-                                   params.method == Encoding::error_diffusion);
+  return effect == "light-map" &&
+         (aims_at_targets(params.method) || params.method == Encoding::amplitude ||
+          params.method == Encoding::complex || params.method == Encoding::off_axis ||
+          params.method == Encoding::double_phase || params.method == Encoding::error_diffusion);
 }
 
 // The effects of the panel that the levels compensate.

@@ -64,7 +64,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
     write_start(pattern, levels, frames.front());
     descend({targets}, known, params, observer, frames, checkpoint);
   } else {
-    const auto [found, device] = project_in_turn(targets, pattern, slm, params, observer);
+    const auto [found, device] = project_in_turn(targets, pattern, known, params, observer);
     write_phase_levels(found, false, levels, frames.front().level);
     judge(targets, known, params, observer, frames, device);
   }

@@ -220,6 +220,21 @@ void find_gain(const Channel& moving, const Channel& fixed, bool fits_offset, Re
   r.offset = (sm - r.gain * sf) / n / (side * side);
 }
 
+// Whether a part of the border is dark: the picture stands on dark ground.
+bool has_dark_ground(const Channel& channel) {
+  constexpr double dark = 0.1, least_part = 0.1;  // of the mean light; of the border
+  const Channel small = reduced(channel, std::max(1.0, long_side(channel) / search_side), blur);
+  double mean = 0, border = 0, of_ground = 0;
+  for (const float value : small.values) mean += double(value) / double(small.values.size());
+  for (int j = 0; j < small.ny; ++j)
+    for (int i = 0; i < small.nx; ++i)
+      if (i == 0 || j == 0 || i == small.nx - 1 || j == small.ny - 1) {
+        border += 1;
+        of_ground += small(j, i) < dark * mean ? 1 : 0;
+      }
+  return of_ground > least_part * border;
+}
+
 void check_picture(const Image& image, const char* name) {
   require(image.nx >= 16 && image.ny >= 16, "expected a {} of at least 16 × 16 pixels to register, got {} × {}", name,
           image.nx, image.ny);
@@ -252,10 +267,11 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   std::vector<Candidate> candidates = search(moving, fixed, smallest, largest, observer);
   Laid laid = refine_best(moving, fixed, candidates);
   const auto& [pair, fit, map, is_finest] = laid;
+  const bool has_outline = has_dark_ground(moving) && !has_dark_ground(fixed);
   const std::string what_to_do = fmt::format(
-      "crop the photograph to what is simulated, flip it if a mirror was used, or give the scales to try, "
+      "{}crop the photograph to what is simulated, flip it if a mirror was used, or give the scales to try, "
       "which were {:.3g} to {:.3g} pixels of the photograph per pixel of the simulation",
-      smallest, largest);
+      has_outline ? "its dark ground has an edge to the picture, which the simulation lacks: " : "", smallest, largest);
   require(fit.pixels > 0,
           "expected a photograph of what the simulation shows, with enough structure to locate it, got none "
           "that fits anywhere; {}",

@@ -5,7 +5,7 @@ import { buildControls, showCommand, showPanel, showQuality, showReport, writeCo
 import { isSmall, setPoints, show, showRender } from './stage.js';
 import { drawSpace, startSpace } from './space.js';
 import { showProgress } from './progress.js';
-import { onChange, query, session, state } from './state.js';
+import { distanceRange, onChange, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
 const page = Math.random().toString(36).slice(2, 12);
@@ -89,11 +89,8 @@ onChange(values => {
 });
 
 function setRange() {
-  const range = $('distance'), depths = session.depths_m.map(m => m * 1e3), at = session.defaults.distance_m * 1e3;
-  const [low, high] = depths[1] > 0 ? depths : [at * 0.85, at * 1.15];
-  const margin = Math.max((high - low) * 0.25, at * 0.02);
-  range.min = String(Math.max(0, Math.min(low, at) - margin));
-  range.max = String(Math.max(high, at) + margin);
+  const range = $('distance');
+  [range.min, range.max] = distanceRange(session.depths_m.map(m => m * 1e3), session.defaults.distance_m * 1e3).map(String);
   range.step = 'any';
 }
 

@@ -20,8 +20,9 @@ function setIfIdle(input, value) {
 /** Writes the state into the controls. */
 export function writeControls() {
   const range = $('distance');
-  if (state.distance > Number(range.max)) range.max = String(state.distance * 1.2);
-  if (state.distance < Number(range.min)) range.min = String(state.distance * 0.8);
+  const beyond = Math.abs(state.distance) * 0.2;
+  if (state.distance > Number(range.max)) range.max = String(state.distance + beyond);
+  if (state.distance < Number(range.min)) range.min = String(state.distance - beyond);
   range.value = String(state.distance);
   range.setAttribute('aria-valuetext', `${state.distance.toFixed(1)} mm`);
   setIfIdle($('distance-number'), Number(state.distance.toFixed(3)));

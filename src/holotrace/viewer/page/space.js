@@ -38,19 +38,19 @@ export function startSpace(points) {
   drawSpace();
 }
 
-// Half sizes of all that is shown [mm]: across, and the depths behind and before the panel.
+// Half sizes of all that is shown [mm]: across, and how far it reaches behind and before the panel.
 function extent() {
   const p = session.panel, across = (Math.max(p.columns, p.rows) * p.pitch_m * 1e3) / 2;
-  const behind = Math.max(state.distance, session.depths_m[1] * 1e3);
+  const places = [state.distance, ...session.depths_m.map(m => m * 1e3)].map(depth => imageSide() * depth);  // z
+  const behind = Math.max(...places.map(Math.abs)) || across;  // on both sides: the zone and the eyebox are mirrored
   let half = across;
   for (let i = 0; i < scene.length; i += 4)  // of the points that are not images far away
-    if (-scene[i + 2] * 1e3 <= behind) half = Math.max(half, Math.abs(scene[i] * 1e3), Math.abs(scene[i + 1] * 1e3));
+    if (Math.abs(scene[i + 2]) * 1e3 <= behind) half = Math.max(half, Math.abs(scene[i] * 1e3), Math.abs(scene[i + 1] * 1e3));
   half = Math.max(half, Math.min(2.2 * across, behind * p.acceptance_tangent - across));
-  const inFront = imageSide() > 0 ? behind : behind * 0.35;
-  return { half, behind, before: Math.max(inFront, state.pupil > 0 ? state.eye[2] * 1.1 : 0) };
+  return { half, behind, before: Math.max(behind * 0.35, ...places, state.pupil > 0 ? state.eye[2] * 1.1 : 0) };
 }
 
-// A real image stands in front of the panel, at the same distances.
+// The side of the panel on which positive distances are: a real image stands in front of the panel.
 const imageSide = () => (session.items[0]?.image === 'real' ? 1 : -1);
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -62,10 +62,12 @@ function depthAt([x, y]) {
   const reach = 14 * pitch;  // [mm] in the plane in focus
   for (let i = 0; i < points.length; i += 4) {
     const z = points[i + 2] * 1e3, t = (eye[2] - plane) / (eye[2] - z);
+    if (eye[2] > 0 && t < 0) continue;  // behind the eye
     const dx = eye[0] + (points[i] * 1e3 - eye[0]) * t - x, dy = eye[1] + (points[i + 1] * 1e3 - eye[1]) * t - y;
     const away = Math.hypot(dx, dy);
     if (away > reach) continue;
-    const rank = away / reach + (-z / state.distance) * 2;
+    const beyond = t < 0 ? 1e6 : 0;  // without an eye: on the other side of the panel, where nothing is nearly sharp
+    const rank = away / reach + (-z / (Math.abs(state.distance) || 1)) * 2 + beyond;
     if (rank < least) { least = rank; best = -z; }
   }
   return best;
@@ -184,7 +186,7 @@ frame.addEventListener('wheel', event => {
   }
   const range = $('distance'), step = (Number(range.max) - Number(range.min)) / 200;
   const turns = clamp(event.deltaY / 100, -3, 3);
-  change({ distance: clamp(Number((state.distance - turns * step).toFixed(3)), 0, 1e5) });
+  change({ distance: clamp(Number((state.distance - turns * step).toFixed(3)), -1e5, 1e5) });
 }, { passive: false });
 
 frame.addEventListener('pointerdown', event => {
@@ -235,7 +237,7 @@ frame.addEventListener('keydown', event => {
   const move = dx => change({ eye: [Number((state.eye[0] + dx).toFixed(2)), state.eye[1], state.eye[2]] });
   const keys = {
     ArrowUp: () => change({ distance: Number((state.distance + step).toFixed(3)) }),
-    ArrowDown: () => change({ distance: Math.max(0, Number((state.distance - step).toFixed(3))) }),
+    ArrowDown: () => change({ distance: Number((state.distance - step).toFixed(3)) }),
     ArrowLeft: () => move(-0.25), ArrowRight: () => move(0.25),
     '+': () => zoomBy(1.25), '-': () => zoomBy(0.8), 0: () => { scale = 0; layOut(); },
     Enter: () => focusAt([view.width >> 1, view.height >> 1]),

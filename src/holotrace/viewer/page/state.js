@@ -40,6 +40,17 @@ export function change(values) {
 
 export function clamp(value, low, high) { return Math.min(Math.max(value, low), high); }
 
+/**
+ * The ends of the slider of distances [mm]: the depths of the scene and the proposed distance, with a margin.
+ * Negative depths are in front of the panel. Depths of 0 and 0 are not known.
+ */
+export function distanceRange([low, high], at) {
+  const isKnown = low !== 0 || high !== 0, reach = Math.abs(at) * 0.15;
+  const near = Math.min(isKnown ? low : at - reach, at), far = Math.max(isKnown ? high : at + reach, at);
+  const margin = Math.max((far - near) * 0.25, Math.abs(at) * 0.02) || 1;
+  return near >= 0 ? [Math.max(0, near - margin), far + margin] : [near - margin, far + margin];
+}
+
 /** The colour in which light of a wavelength [m] is drawn. */
 export function colourOf(wavelength) {
   const nm = wavelength * 1e9;

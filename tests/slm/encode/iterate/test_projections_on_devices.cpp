@@ -39,7 +39,7 @@ struct ProjectionCase {
 
 std::vector<ProjectionCase> projection_cases() {
   ProjectionCase one{"one plane"}, several{"three planes"}, part{"a stop and a part that counts"}, odd{"an odd size"},
-      weighted{"weighted"}, weighted_part{"weighted, a part of two planes"};
+      weighted{"weighted"}, uneven{"uneven light"}, weighted_part{"weighted, a part of two planes"};
   several.params.target_distances = {0.006, 0.009, 0.012};
   for (ProjectionCase* counted : {&part, &weighted_part}) {
     counted->params.stop = 0.6;
@@ -50,7 +50,11 @@ std::vector<ProjectionCase> projection_cases() {
   for (ProjectionCase* strengthening : {&weighted, &weighted_part})
     strengthening->params.method = Encoding::weighted_gerchberg_saxton;
   odd.slm = make_panel(51, 38);
-  return {one, several, part, odd, weighted, weighted_part};
+  auto light = std::make_shared<Array2D<float>>(uneven.slm.grid.ny, uneven.slm.grid.nx);
+  for (size_t i = 0; i < light->size(); ++i) light->values[i] = 0.2F + float(i % 13) / 10;
+  uneven.slm.effects.light_map = light;
+  uneven.slm.own_effects = {"light-map"};
+  return {one, several, part, odd, weighted, uneven, weighted_part};
 }
 
 // Two iterations, with another factor than the method's, so that the second one has what the first one leaves.

@@ -73,8 +73,9 @@ std::optional<Picture> read_png(ByteSource& source, const HeaderCheck& wants) {
   for (int row = 0; row < picture.rows; ++row) rows.push_back(first + size_t(row) * row_bytes);
   picture.is_complete = reader.succeeds([&] {
     png_read_image(reader.png, rows.data());
-    png_read_end(reader.png, nullptr);
+    png_read_end(reader.png, reader.info);
   });
+  if (picture.is_complete) picture.orientation = orientation_of(reader);  // a chunk may stand after the pixels
   return picture;
 }
 

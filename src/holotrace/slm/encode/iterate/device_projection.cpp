@@ -10,6 +10,10 @@ DeviceProjection::DeviceProjection(Device& device, const ProjectionSetup& setup,
   {
     const auto lock = device_.lock();
     u_ = device_.upload(start.values, "the light of a panel");
+    if (const Array2D<float> modulus = setup.modulus(); modulus.size() > 0) {
+      modulus_ = device_.upload(modulus.values, "the light map of a panel");
+      multiply_by_real(device_, modulus_, u_);
+    }
     step_ = device_.make_buffer(u_.bytes(), "the light of a panel");
   }
   for (const TargetPlane& target : setup.targets) {
@@ -92,6 +96,7 @@ void DeviceProjection::add_step(size_t plane, double factor) {
 void DeviceProjection::take_step() {
   const auto lock = device_.lock();
   add_and_make_unit_modulus(device_, step_, u_);
+  if (modulus_.bytes() > 0) multiply_by_real(device_, modulus_, u_);
   has_step_ = false;
 }
 

@@ -48,6 +48,7 @@ class DeviceProjection : public ProjectionArrays {
   Device& device_;
   const Grid& pixels_;
   DeviceBuffer u_, step_, back_;  // back: of one of several planes
+  DeviceBuffer modulus_;          // empty: 1
   bool has_step_ = false;
   DeviceConvolution::Work work_;
   std::vector<Plane> planes_;

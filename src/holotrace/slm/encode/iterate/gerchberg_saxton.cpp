@@ -16,6 +16,14 @@
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
+
+Array2D<float> ProjectionSetup::modulus() const {
+  if (!slm.effects.light_map) return {};
+  Array2D<float> modulus = *slm.effects.light_map;
+  for (float& value : modulus.values) value = std::sqrt(value);
+  return modulus;
+}
+
 namespace {
 
 using Pattern = Array2D<std::complex<float>>;

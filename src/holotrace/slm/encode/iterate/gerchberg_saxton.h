@@ -13,7 +13,7 @@ namespace holotrace {
 
 class Device;
 
-/// A pattern of modulus 1, shape (ny, nx), and the device that has found it; none: the processor.
+/// A pattern, shape (ny, nx), and the device that has found it; none: the processor.
 struct ProjectedPattern {
   Array2D<std::complex<float>> pattern;
   Device* device;
@@ -22,8 +22,9 @@ struct ProjectedPattern {
 /// A phase pattern whose light has the targets' moduli, found by projections to the planes and back through free space
 /// (Gerchberg and Saxton, Optik 35, 237, 1972), for any number of planes at once:
 ///
-///     vₖ = Tₖu,   rₖ = wₖ·(s·aₖ − |vₖ|)·vₖ/|vₖ|,   u ← (u + 1/K·Σₖ Tₖᴴrₖ)/|…|
+///     vₖ = Tₖu,   rₖ = wₖ·(s·aₖ − |vₖ|)·vₖ/|vₖ|,   u ← m·(u + 1/K·Σₖ Tₖᴴrₖ)/|…|
 ///
+/// m is the amplitude of the light on the panel, √ of its light map if that is among the effects of `slm`, else 1.
 /// Tₖ is the propagation to plane k with its window, zero-padding and the pixels' aperture; s is the scale that fits
 /// the start. Where w is 0, the light stays as it is, so noise may go there. For one plane and a unitary T, with w = 1
 /// everywhere, Tᴴv = u and this is the classical algorithm: replace the modulus, propagate back, keep the phase.
@@ -32,7 +33,7 @@ struct ProjectedPattern {
 ///
 ///     E(u') ≤ 1/K·Σₖ ‖√wₖ(Tₖu' − gₖ)‖² ≤ E(u) − 2Re⟨u' − u, 1/K·ΣTₖᴴrₖ⟩ + ‖u' − u‖² =: Q(u'),   Q(u) = E(u)
 ///
-/// Among patterns of modulus 1, the step above minimizes Q. Nothing else is required of T: the statement holds for
+/// Among patterns of modulus m, the step above minimizes Q. Nothing else is required of T: the statement holds for
 /// light that leaves the window, for a band limit, and for a region of weight 0. It does not hold for the weighted
 /// method, nor exactly in single precision, where rounding changes the last digits.
 ///
@@ -46,6 +47,7 @@ struct ProjectedPattern {
 ///
 /// @param targets  target planes of one wavelength
 /// @param start    pattern of modulus 1, shape (ny, nx)
+/// @param slm      panel with the effects that are known (known_panel)
 /// @return         the pattern after iterations_of(params), not yet rounded to levels
 /// @throws Error   for targets of several wavelengths, and iterations below 0; as device_for_projections and Device do
 /// Facts: `iterations`, `device` (its name, on a device), `error_first`, `error_last`. Curve `convergence`:

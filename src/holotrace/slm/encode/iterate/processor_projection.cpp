@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "holotrace/base/threads.h"
+#include "holotrace/slm/encode/iterate/iteration_kernels.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {
@@ -21,8 +22,9 @@ void strengthen(const TargetPlane& target, const Array2D<float>& power, double s
 }  // namespace
 
 ProcessorProjection::ProcessorProjection(const ProjectionSetup& setup, const Array2D<std::complex<float>>& start)
-    : pixels_(setup.slm.grid), u_(setup.slm.grid, setup.targets.front().wavelength) {
+    : pixels_(setup.slm.grid), modulus_(setup.modulus()), u_(setup.slm.grid, setup.targets.front().wavelength) {
   u_.samples = start;
+  give_modulus();
   planes_.reserve(setup.targets.size());
   for (const TargetPlane& target : setup.targets)
     planes_.push_back({&target,
@@ -30,6 +32,13 @@ ProcessorProjection::ProcessorProjection(const ProjectionSetup& setup, const Arr
                        TargetPropagation(setup.slm, target.wavelength, target.z, setup.optics()),
                        {},
                        {}});
+}
+
+// Gives the pattern, of modulus 1, that of the light on the panel.
+void ProcessorProjection::give_modulus() {
+  if (modulus_.size() == 0) return;
+  parallel_for(0, pixels_.ny,
+               [&](int64_t j) { multiply_by_real(modulus_.row(int(j)), u_.samples.row(int(j)), size_t(pixels_.nx)); });
 }
 
 void ProcessorProjection::show(size_t plane) {
@@ -71,6 +80,7 @@ void ProcessorProjection::take_step() {
         add_and_make_unit_modulus(u_.samples.row(int(j)), step_.samples.row(int(j)), size_t(pixels_.nx));
       },
       {}, 16);
+  give_modulus();
   step_ = {};
 }
 

@@ -13,7 +13,7 @@ namespace holotrace {
 /// Gerchberg–Saxton on the processor.
 class ProcessorProjection : public ProjectionArrays {
  public:
-  /// @param start  pattern of modulus 1, shape (ny, nx)
+  /// @param start  pattern, shape (ny, nx), whose phase counts
   ProcessorProjection(const ProjectionSetup& setup, const Array2D<std::complex<float>>& start);
 
   void show(size_t plane) override;
@@ -32,8 +32,11 @@ class ProcessorProjection : public ProjectionArrays {
     Array2D<float> light;
   };
 
+  void give_modulus();
+
   const Grid& pixels_;
-  Field u_, step_;  // no step: no samples
+  const Array2D<float> modulus_;  // empty: 1
+  Field u_, step_;                // no step: no samples
   std::vector<Plane> planes_;
 };
 

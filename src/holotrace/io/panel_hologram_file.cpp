@@ -1,0 +1,29 @@
+#include "holotrace/io/panel_hologram_file.h"
+
+#include <utility>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/scene/scene_file.h"
+#include "holotrace/io/scene/slm_file.h"
+
+namespace holotrace {
+
+PanelHologram load_panel_hologram(const std::string& path, const std::string& slm, const CompleteHologram& complete) {
+  HologramParams given;
+  Hologram hologram = load_hologram(path, [&](HologramParams& of_file) {
+    if (complete) complete(of_file);
+    given = of_file;
+  });
+  require(
+      hologram.wavelength > 0,
+      "expected a hologram whose wavelength is known, but {} has no metadata; give --wavelength, or make a hologram "
+      "of a picture with holotrace encode",
+      path);
+  Slm panel = !slm.empty() ? load_slm(slm) : hologram.slm ? *hologram.slm : slm_preset("pluto");
+  if (hologram.grid.pitch == 0) hologram.grid.pitch = panel.grid.pitch;
+  if (slm.empty()) panel.grid = hologram.grid;
+  if (given.range > 0) panel.phase_range = given.range;
+  return {std::move(hologram), std::move(panel)};
+}
+
+}  // namespace holotrace
