@@ -174,10 +174,13 @@ class DirectLight {
       visit({emitters.background_group(), true}, [&](Vec3, Vec2 u) { return environment->sample(u); });
   }
 
-  /// Whether light that no ray can meet may come through panes or by flat mirrors.
-  bool passes_mirrors() const { return scene_.has_panes || !scene_.mirrors.planes.empty(); }
+  /// Whether light that no ray can meet may come by mirrors or glass.
+  bool passes_mirrors() const {
+    return scene_.has_panes || !scene_.mirrors.planes.empty() || !scene_.caustics.is_empty();
+  }
 
-  /// Adds the light of a light that no ray can meet: straight, through panes, and by each flat mirror.
+  /// Adds the light of a light that no ray can meet: straight, through panes, by each flat mirror, and by chains of mirrors
+  /// and glass (caustics.h).
   template <class B>
   void add_unmet(const B& bsdf, const PathVertex& at, const SampledLight& light, const LightSample& way,
                  double weight) {
@@ -189,6 +192,33 @@ class DirectLight {
       if (const auto reflected = reflect(bsdf, at, by_mirror, false, weight))
         add_by_mirror(at, by_mirror, {m, light.group}, *reflected);
     }
+    if (!scene_.caustics.is_empty()) add_by_chains(bsdf, at, light, weight);
+  }
+
+  template <class B>
+  void add_by_chains(const B& bsdf, const PathVertex& at, const SampledLight& light, double weight) {
+    const auto ways = caustic_light(scene_, at.point, size_t(light.group), scene_.params.max_depth - at.depth,
+                                    Sink::follows_phase, counts_);
+    for (size_t i = 0; i < ways.size(); ++i) {
+      const CausticLight& way = ways[i];
+      const auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.irradiance}, false, weight);
+      if (!reflected) continue;
+      add_behind(way.surfaces, light.group, *reflected);
+      if constexpr (Sink::follows_phase) {
+        std::optional<double> path;
+        if (laser_path(*light.light, at.point.position)) {
+          const Vec3 move = sink_.place_of_phase(at.point.position) - at.point.position;
+          path = way.optical_path / way.index - dot(move, way.direction);
+        }
+        sink_.end_way(path, {int(scene_.mirrors.planes.size() + i) + 1, way.phase});
+      }
+    }
+  }
+
+  /// Adds light that has met so many mirrors, panes and glass surfaces on its way.
+  void add_behind(int surfaces, int group, const Reflected& light) {
+    if (const auto groups = path_groups_behind(surfaces, diffuse_state_)) sink_.add(groups, group, light.diffuse);
+    if (const auto groups = path_groups_behind(surfaces, glossy_state_)) sink_.add(groups, group, light.glossy);
   }
 
   struct MirroredLight {
@@ -216,10 +246,7 @@ class DirectLight {
     const Ray onward{scene_.accelerator.leave(hit->point, back->direction), back->direction};
     const double left = way.distance - length(hit->point.position - at.point.position);
     if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
-    if (const auto groups = path_groups_behind(1, diffuse_state_))
-      sink_.add(groups, mirrored.group, reflected.diffuse * back->weight);
-    if (const auto groups = path_groups_behind(1, glossy_state_))
-      sink_.add(groups, mirrored.group, reflected.glossy * back->weight);
+    add_behind(1, mirrored.group, {reflected.diffuse * back->weight, reflected.glossy * back->weight});
     if constexpr (Sink::follows_phase)
       sink_.end_way(laser_path(mirror.images[size_t(mirrored.group)], sink_.place_of_phase(at.point.position)),
                     {int(mirrored.mirror) + 1, back->phase});
@@ -415,9 +442,9 @@ class DirectLight {
     return std::nullopt;
   }
 
-  /// The path groups that accept light which passed panes on its way to the surface; the path left it in `state`.
-  uint32_t path_groups_behind(int panes, PathAutomaton::State state) const {
-    for (; panes > 0; --panes) state = scene_.automaton.step(state, PathEvent::specular);
+  /// The path groups that accept light which met mirrors, panes or glass on its way to the surface; the path left it in `state`.
+  uint32_t path_groups_behind(int surfaces, PathAutomaton::State state) const {
+    for (; surfaces > 0; --surfaces) state = scene_.automaton.step(state, PathEvent::specular);
     return scene_.automaton.accepted(state);
   }
 

@@ -14,77 +14,11 @@ namespace {
 
 constexpr double least_weight = 1e-3;
 
-/// The interpolated normal of a triangle at a place of its plane, also beyond its edges, turned to the side of
-/// `side`; `side` itself if the triangle is flat.
-Vec3 normal_at(const Mesh& mesh, uint32_t triangle, Vec3 place, Vec3 side) {
-  if (mesh.normals.empty()) return side;
-  const auto [i, j, k] = mesh.triangles[triangle];
-  const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a, normal = cross(ab, ac);
-  const double area = dot(normal, normal);
-  if (area == 0) return side;
-  const double b1 = dot(cross(place - a, ac), normal) / area, b2 = dot(cross(ab, place - a), normal) / area;
-  const Vec3 smooth = mesh.normals[i] * (1 - b1 - b2) + mesh.normals[j] * b1 + mesh.normals[k] * b2;
-  const double size = length(smooth);
-  return size > 0 ? smooth * (std::copysign(1.0, dot(smooth, side)) / size) : side;
-}
-
-/// The direction after a surface by the law of reflection or Snell's law; none at total reflection.
-std::optional<Vec3> deflect(const SpecularVertex& vertex, Vec3 direction, Vec3 normal) {
-  const double cosine = -dot(direction, normal);
-  if (!vertex.is_transmission) return direction + normal * (2 * cosine);
-  if (vertex.near == vertex.far) return direction;
-  const double ratio = vertex.near / vertex.far, squared = 1 - ratio * ratio * (1 - cosine * cosine);
-  if (squared < 0) return std::nullopt;
-  return direction * ratio + normal * (ratio * cosine - std::sqrt(squared));
-}
-
-/// The normal for which the law of reflection or Snell's law turns one direction into the other.
-Vec3 normal_between(Vec3 in, Vec3 out, bool is_transmission, double near, double far, Vec3 side) {
-  const Vec3 change = is_transmission ? out * far - in * near : out - in;
-  const double size = length(change);
-  return size > 1e-9 ? change * (std::copysign(1.0, dot(change, side)) / size) : side;
-}
-
-/// A ray at the end of a chain, from geometry alone.
-struct RayEnd {
-  Vec3 place, direction;
-  double optical_path = 0;
-};
-
-std::optional<double> distance_to_plane(const Ray& ray, const SurfacePoint& point) {
-  const double along = dot(ray.direction, point.geometric_normal);
-  if (along == 0) return std::nullopt;
-  return dot(point.position - ray.origin, point.geometric_normal) / along;
-}
-
 /// Traces a ray through the planes of a leaf's chain to the plane of its last surface.
-std::optional<RayEnd> retrace(const Scene& scene, const SpecularLeaf& leaf, Ray ray) {
-  RayEnd end;
-  double index = 1;
-  for (const SpecularVertex& vertex : leaf.chain) {
-    const SurfacePoint& point = vertex.point;
-    const auto distance = distance_to_plane(ray, point);
-    if (!distance) return std::nullopt;
-    index = vertex.near;
-    end.optical_path += index * *distance;
-    ray.origin = ray.origin + ray.direction * *distance;
-    const Mesh& mesh = scene.meshes[point.mesh];
-    const Vec3 change = normal_at(mesh, point.triangle, ray.origin, point.geometric_normal) -
-                        normal_at(mesh, point.triangle, point.position, point.geometric_normal);
-    const auto next = deflect(vertex, ray.direction, normalize(vertex.normal + change));
-    if (!next) return std::nullopt;
-    ray.direction = normalize(*next);
-    if (vertex.is_transmission) index = vertex.far;
-  }
-  if (leaf.kind != LeafKind::beyond) {
-    const auto distance = distance_to_plane(ray, leaf.start.point);
-    if (!distance) return std::nullopt;
-    end.optical_path += index * *distance;
-    ray.origin = ray.origin + ray.direction * *distance;
-  }
-  end.place = ray.origin;
-  end.direction = ray.direction;
-  return end;
+std::optional<RayEnd> retrace(const Scene& scene, const SpecularLeaf& leaf, const Ray& ray) {
+  if (leaf.kind == LeafKind::beyond) return retrace(scene, leaf.chain, ray);
+  const SurfacePoint& last = leaf.start.point;
+  return retrace(scene, leaf.chain, ray, last.position, last.geometric_normal);
 }
 
 /// Curvature tr C of the wavefront at the ray's origin [1/m], positive if it diverges; none if the chain
@@ -202,9 +136,6 @@ struct Walk {
       add(std::move(glow));
     }
     const SurfacePoint point = here.start.point;
-    const MediumIndices media = media_at(material, point, scene.lines.wavelengths[0]);
-    // If one surface separates two media, the index on the incoming side is that of the ray's medium.
-    const double near = media.near == media.far ? index : media.near, far = media.near == media.far ? index : media.far;
     for (int i = 0; i < branches.count; ++i) {
       const BsdfSample& way = branches.ways[size_t(i)];
       if (guide && (guide->chain.size() < size_t(depth) ||
@@ -212,15 +143,14 @@ struct Walk {
         continue;
       SpecularLeaf next = here;
       next.weight = leaf.weight * way.weight;
+      const SpecularVertex vertex = specular_vertex(material, point, ray.direction, way, index, scene.lines);
       // Inside glass radiance is n² times as large as outside: n²·weight is the fraction of the light.
-      const double beyond = way.is_transmission ? far : near;
+      const double beyond = vertex.index_after();
       if (max_component(next.weight) * beyond * beyond < least_weight) continue;
       next.phase = leaf.phase + way.phase;
       next.start.state = scene.automaton.step(leaf.start.state, PathEvent::specular);
       if (scene.automaton.is_dead(next.start.state)) continue;
-      next.chain.push_back(
-          {point, normal_between(ray.direction, way.direction, way.is_transmission, near, far, point.geometric_normal),
-           way.is_transmission, near, far});
+      next.chain.push_back(vertex);
       const double side = way.is_transmission ? -1 : 1;
       const Vec3 start = point.position + point.geometric_normal * (side * point.clearance);
       follow({start, way.direction}, beyond, next);

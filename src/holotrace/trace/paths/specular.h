@@ -5,16 +5,9 @@
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/path_scene.h"
+#include "holotrace/trace/paths/specular_chain.h"
 
 namespace holotrace {
-
-/// A mirror or a smooth glass surface on the way from the panel.
-struct SpecularVertex {
-  SurfacePoint point;
-  Vec3 normal;           ///< unit normal on the ray's side, of the mirror or lens face that the ray met
-  bool is_transmission;  ///< refracted, or straight through a pane
-  double near, far;      ///< refractive index before the surface and behind it
-};
 
 /// What a branch of mirrors and glass ends at: a surface that scatters (surface); the mirror or glass surface itself,
 /// which emits (glow); a light with an area (RectangleLight), seen by reflection (light); or nothing, infinitely far
