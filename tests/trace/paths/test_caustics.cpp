@@ -159,5 +159,178 @@ TEST(Caustics, OfAGlassBallKeepThePower) {
   }
 }
 
+// Parallel light leaves a concave mirror with the curvature −2/R; a beam of a finite radius ends at its edge.
+TEST(Caustics, OfBeamsFollowTheMirrorEquation) {
+  constexpr double radius = 80_mm, b = 30_mm;
+  Scene scene = make_plate(ideal_mirror(), 0.2_mm);  // small: its shadow hides the middle of the mirror alone
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  const double spread = 1 - 2 * b / radius;
+  // At the height h = 0.6 mm, spherical aberration changes the spread by about 5(h/R)² of it.
+  const double x = 0.15_mm, height = x / spread;
+  scene.lights = {DirectionalLight{{0, 0, -1}, {1, 1, 1}}};
+  EXPECT_NEAR(Plate(scene, "EDSL").at(x, 0) * spread * spread, 1, 1e-3);
+  for (const auto& [beam_radius, expected] : {std::pair{1.1 * height, 1.0}, {0.9 * height, 0.0}}) {
+    scene.lights = {DirectionalLight{{0, 0, -1}, {1, 1, 1}, {}, beam_radius}};
+    EXPECT_NEAR(Plate(scene, "EDSL").at(x, 0) * spread * spread, expected, 1e-3);
+  }
+}
+
+// Two mirrors at a right angle show a lamp, two images of it, and the image in both, which is seen once.
+TEST(Caustics, TwoFlatMirrorsShowThreeImages) {
+  Scene scene = make_plate(ideal_mirror());
+  const double z = plate_z - 50_mm;
+  scene.meshes.push_back(make_test_quad({-20_mm, 0, z}, {0, 20_mm, 0}, {0, 0, 49.9_mm}, 1));
+  scene.meshes.push_back(make_test_quad({0, -20_mm, z}, {20_mm, 0, 0}, {0, 0, 49.9_mm}, 1));
+  scene.lights = {PointLight{{-8_mm, -11_mm, plate_z - 60_mm}, {1, 1, 1}}};
+  const Plate plate(scene, ".*"), by_both(scene, "EDSSL"), by_both_too_short(scene, "EDSSL", {.max_depth = 2});
+  const auto straight = [&](double image_x, double image_y, double x, double y) {
+    const double squared = std::pow(image_x - x, 2) + std::pow(image_y - y, 2) + std::pow(60_mm, 2);
+    return 60_mm / std::pow(squared, 1.5);
+  };
+  for (const auto& [x, y] : {std::pair{3_mm, 2_mm}, {-15_mm, 1_mm}, {-17_mm, -18_mm}, {10_mm, -12_mm}}) {
+    const double both = straight(-32_mm, -29_mm, x, y);
+    const double sum =
+        straight(-8_mm, -11_mm, x, y) + straight(-32_mm, -11_mm, x, y) + straight(-8_mm, -29_mm, x, y) + both;
+    // Derivatives are differences of 1e-8 accuracy; the metal of index 1e-6 absorbs 4e-6/cosθ.
+    EXPECT_NEAR(by_both.at(x, y) / both, 1, 1e-4) << x << " " << y;
+    EXPECT_NEAR(plate.at(x, y) / sum, 1, 1e-4) << x << " " << y;
+    EXPECT_EQ(by_both_too_short.at(x, y), 0);
+  }
+}
+
+// A lamp behind a pane, and a flat mirror beside it: light straight through the pane, by the mirror alone, and by both, each once.
+TEST(Caustics, CountLightOfPanesAndFlatMirrorsOnce) {
+  Scene scene = make_plate(ideal_mirror());
+  scene.materials.push_back(DielectricMaterial{.index = constant_index(1.5), .is_thin = true});
+  scene.meshes.push_back(make_test_quad({-20_mm, 0, plate_z - 50_mm}, {0, 40_mm, 0}, {0, 0, 49.9_mm}, 1));
+  scene.meshes.push_back(make_wall(plate_z - 30_mm, 80_mm, 80_mm, 2));
+  scene.lights = {PointLight{{5_mm, 0, plate_z - 60_mm}, {1, 1, 1}}};
+  const auto light_from = [&](double image_x) {
+    const double side = image_x - 2_mm, distance = std::hypot(side, 60_mm),
+                 once = 1 - transmittance(std::atan2(std::abs(side), 60_mm), 1.5);
+    return (1 - 2 * once / (1 + once)) * 60_mm / std::pow(distance, 3);
+  };
+  // Both ways meet the pane.
+  EXPECT_NEAR(Plate(scene, "EDSL").at(2_mm, 0) / light_from(5_mm), 1, 1e-9);
+  EXPECT_NEAR(Plate(scene, "EDSSL").at(2_mm, 0) / light_from(-45_mm), 1, 1e-4);
+  // With light that the pane reflects to the mirror and back there would be more: two more surfaces.
+  EXPECT_NEAR(Plate(scene, ".*", {.max_depth = 3}).at(2_mm, 0) / (light_from(5_mm) + light_from(-45_mm)), 1, 1e-4);
+}
+
+// The same ball, and a lamp of 3 mm × 3 mm that paths meet by chance, against 36 small lamps on it.
+TEST(Caustics, AgreeWithPathsThatMeetALampByChance) {
+  constexpr double side = 3_mm, a = 30_mm, b = 15_mm;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(1.5)});
+  scene.meshes.push_back(make_ball({0, 0, plate_z - b}, 5_mm, 60));
+  Scene small = scene;
+  scene.lights = {RectangleLight{
+      {-side / 2, -side / 2, plate_z - b - a}, {side, 0, 0}, {0, side, 0}, Vec3{1, 1, 1} / (side * side), false}};
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 6; ++i)
+      small.lights.push_back(PointLight{{side * ((i + 0.5) / 6 - 0.5), side * ((j + 0.5) / 6 - 0.5), plate_z - b - a},
+                                        Vec3{1, 1, 1} / 36});
+  const PathScene path_scene(scene, Lines{}, {"EDSSL"}, {});
+  EXPECT_TRUE(path_scene.caustics.is_empty());
+  const Plate plate(small, "EDSSL");
+  for (const double x : {0.5_mm, 1.5_mm, 3_mm}) {
+    Statistics by_chance;
+    const PathStart start = start_of(path_scene, {{x, 0, plate_z - 1e-4}, {0, 0, 1}});
+    PathCounts counts;
+    for (int i = 0; i < 400; ++i) {
+      Vec3 sum;
+      mean_radiance(path_scene, start, 1024, uint64_t(i), {&sum, 1}, counts);
+      by_chance.add(sum.y * pi / reflectance_of_plate);
+    }
+    // The lamp's cosine, up to 11° off its normal, is left out of the small lamps: 1 − cos 11° = 2 % at most.
+    EXPECT_NEAR(plate.at(x, 0) / by_chance.mean(), 1, 0.02 + 3 * by_chance.standard_error() / by_chance.mean()) << x;
+  }
+}
+
+TEST(Caustics, AreLookedForWhereLampsAndMirrorsNeedIt) {
+  const auto is_empty = [](const Scene& scene, const PathParams& params = {}) {
+    return PathScene(scene, Lines{}, {}, params).caustics.is_empty();
+  };
+  Scene scene = make_plate(grey(0.5));
+  scene.meshes.push_back(make_ball({0, 0, plate_z - 15_mm}, 5_mm, 20));
+  scene.lights = {PointLight{{0, 0, plate_z - 50_mm}, {1, 1, 1}}};
+  EXPECT_TRUE(is_empty(scene));  // no mirror or glass
+  scene.materials[1] = DielectricMaterial{};
+  EXPECT_FALSE(is_empty(scene));
+  EXPECT_TRUE(is_empty(scene, {.max_depth = 1}));
+  EXPECT_TRUE(is_empty(scene, {.caustic_rays = 0}));
+  scene.materials[1] = ConductorMaterial{.roughness = 0.3};
+  EXPECT_TRUE(is_empty(scene));  // paths find light by rough metal
+  scene.materials[1] = DielectricMaterial{};
+  scene.lights = {RectangleLight{{0, 0, plate_z - 50_mm}, {1_mm, 0, 0}, {0, 1_mm, 0}, {1, 1, 1}}};
+  EXPECT_TRUE(is_empty(scene));  // paths meet the lamp
+}
+
+/// Brightness of laser light that leaves the plate's lower side at a place.
+double laser_light(const Scene& scene, const std::string& group, double x, double y) {
+  const PathScene path_scene(scene, make_lines(green_light, green_light, green_light), {group}, {});
+  Phasors u{};
+  PathCounts counts;
+  laser_phasors(path_scene, start_of(path_scene, {{x, y, plate_z - 1e-4}, {0, 0, 1}}), 4, 0, {&u, 1}, counts);
+  return std::norm(u[1]);
+}
+
+/// A closed prism along y whose section in x and z is a polygon, counter-clockwise as seen from −y.
+Mesh make_prism(const std::vector<Vec2>& section, double half_length) {
+  Mesh mesh;
+  mesh.name = "prism";
+  mesh.material = 1;
+  const auto count = uint32_t(section.size());
+  for (const double y : {-half_length, half_length})
+    for (const Vec2 p : section) mesh.positions.push_back({p.x, y, p.y});
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t j = (i + 1) % count;
+    mesh.triangles.push_back({i, j, j + count});
+    mesh.triangles.push_back({i, j + count, i + count});
+  }
+  for (uint32_t i = 2; i < count; ++i) {
+    mesh.triangles.push_back({0, i, i - 1});
+    mesh.triangles.push_back({count, count + i - 1, count + i});
+  }
+  return mesh;
+}
+
+// Fresnel's biprism of the angle α and the index n bends the light of a laser at the distance a by (n − 1)·α to both sides. At the
+// distance b behind it fringes have the period λ(a + b)/(2a(n − 1)α): 159.6 µm.
+TEST(Caustics, FresnelsBiprismMakesItsFringes) {
+  constexpr double a = 50_mm, b = 100_mm, angle = 0.01, n = 1.5, half = 5_mm, edge = 20e-6;
+  constexpr double period = green_light * (a + b) / (2 * a * (n - 1) * angle);
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(n)});
+  const double base = plate_z - b;
+  scene.meshes.push_back(make_prism(
+      {{-half, base}, {half, base}, {half, base + edge}, {0, base + edge + angle * half}, {-half, base + edge}}, 5_mm));
+  scene.lights = {PointLight{{0, 0, base - a}, {1, 1, 1}, true}};
+  const double brightest = laser_light(scene, "EDSSL", 0, 0.1_mm);
+  // Two waves of 1/(a + b)², transmitted by 0.96 at both faces; the glass of 70 µm changes the distance by 2e-4.
+  EXPECT_NEAR(brightest * pi / reflectance_of_plate * std::pow(a + b, 2) / (4 * 0.96 * 0.96), 1, 2e-3);
+  for (int k = -10; k <= 10; ++k) {
+    const double x = k * 40e-6;
+    // Small angles: sines differ from α by α²/6, and the place of the bend by 70 µm from the distance a, 1.4e-3 of the
+    // period; at 2.5 periods that is 0.02 rad.
+    EXPECT_NEAR(laser_light(scene, "EDSSL", x, 0.1_mm) / brightest, std::pow(std::cos(pi * x / period), 2), 0.02) << x;
+  }
+}
+
+// On the axis of a concave mirror the light of a laser meets the light that it sends to the mirror: the ways differ by 2a. Behind the
+// mirror's image of the laser the phase is less by π (two focal lines; Born and Wolf, 8.8.4).
+TEST(Caustics, PhasesJumpAtAFocus) {
+  constexpr double radius = 80_mm, a = 60_mm;  // the image lies at 120 mm
+  for (const auto& [b, jump] : {std::pair{100_mm, 0.0}, {150_mm, pi}}) {
+    Scene scene = make_plate(ideal_mirror());
+    scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+    scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}, true}};
+    const double spread = 1 + b * (1 / a - 2 / radius);
+    const auto straight = std::polar(1 / (b - a), 2 * pi * std::fmod((b - a) / green_light, 1.0)),
+               reflected = std::polar(1 / std::abs(a * spread), 2 * pi * std::fmod((b + a) / green_light, 1.0) - jump);
+    // A third of a micrometre off the axis, so that the ray meets no edge; there the ways differ by 1e-12 m.
+    const double found = laser_light(scene, ".*", 0.3e-6, 0.2e-6) * pi / reflectance_of_plate;
+    EXPECT_NEAR(found / std::norm(straight + reflected), 1, 2e-3) << b;
+  }
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -23,31 +23,30 @@ constexpr double least_weight = 1e-3;  // of a chain, as in specular.cpp
 
 // --- rays of a lamp ---------------------------------------------------------------------------------
 
-/// A square of directions of a point (not unit vectors), or of places across a beam [m].
-struct Cell {
-  Vec3 centre, u, v;  // from the centre to the middle of two sides
-};
-
 const Vec3& place_of(const Light& light) {
   if (const auto* spot = std::get_if<SpotLight>(&light)) return spot->position;
   return std::get<PointLight>(light).position;
 }
 
-template <class Rays>  // Cell or LightBundle
-Ray ray_at(const Light& light, const Rays& rays, Vec2 p) {
+Ray ray_at(const Light& light, const RaySquare& rays, Vec2 p) {
   const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
   if (const auto* beam = std::get_if<DirectionalLight>(&light)) return {there, beam->direction};
   return {place_of(light), normalize(there)};
 }
 
-/// Intensity [W/sr] or irradiance [W/m²] of the lamp toward a place, times dω/dp dq or dA/dp dq.
-Vec3 power_at(const Light& light, const LightBundle& bundle, Vec2 p, Vec3 place) {
-  const LightSample way = sample_light(light, place, {});
-  if (std::holds_alternative<DirectionalLight>(light)) return way.radiance * length(cross(bundle.u, bundle.v));
-  const Vec3 there = bundle.centre + bundle.u * p.x + bundle.v * p.y;
+/// Solid angle, or area across a beam, of dp dq at a ray.
+double density_at(const Light& light, const RaySquare& rays, Vec2 p) {
+  const Vec3 side = cross(rays.u, rays.v);
+  if (std::holds_alternative<DirectionalLight>(light)) return length(side);
+  const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
   const double distance = length(there);
-  return way.radiance * (way.distance * way.distance * std::abs(dot(there, cross(bundle.u, bundle.v))) /
-                         (distance * distance * distance));
+  return std::abs(dot(there, side)) / (distance * distance * distance);
+}
+
+/// Intensity of a lamp toward a place [W/sr], or the irradiance of parallel light there [W/m²].
+Vec3 strength_toward(const Light& light, Vec3 place) {
+  const LightSample way = sample_light(light, place, {});
+  return std::isfinite(way.distance) ? way.radiance * (way.distance * way.distance) : way.radiance;
 }
 
 // --- the chain of a ray -----------------------------------------------------------------------------
@@ -62,9 +61,8 @@ struct LightWay {
 };
 
 /// Sends light on by a branch of a surface that it has met.
-void deflect(const PathScene& scene, LightWay& way, const Material& material, const SurfacePoint& point,
-             const BsdfSample& branch) {
-  way.chain.push_back(specular_vertex(material, point, way.ray.direction, branch, way.index, scene.lines));
+void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, const BsdfSample& branch) {
+  way.chain.push_back(specular_vertex(scene.scene, point, way.ray.direction, branch, way.index, scene.lines));
   way.index = way.chain.back().index_after();
   // The weight of a branch is that of radiance; n² of it is not power.
   way.weight *= branch.weight / branch.squared_index_ratio;
@@ -89,26 +87,35 @@ std::optional<LightWay> follow_like(const PathScene& scene, const Ray& ray, cons
       return branch.is_transmission == vertex.is_transmission;
     });
     if (same == last) return std::nullopt;
-    deflect(scene, way, material, point, *same);
+    deflect(scene, way, point, *same);
   }
   return way;
 }
 
-/// Follows all branches of a ray of a lamp. Calls land(way, place) where one reaches a surface that scatters.
+/// Where a ray of a lamp arrives by mirrors and glass.
+struct Landing {
+  LightWay way;
+  std::optional<Vec3> place;  // of a surface that scatters; none: beyond all surfaces
+};
+
+/// Follows all branches of a ray of a lamp. Calls land(landing) where one reaches a surface that scatters, or leaves.
 template <class Land>
 void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& is_cut, const Land& land) {
   const auto hit = scene.accelerator.closest_hit(way.ray);
-  if (!hit || hit->point.light >= 0) return;
+  if (!hit || hit->point.light >= 0) {
+    if (!way.chain.empty()) land({way, std::nullopt});
+    return;
+  }
   const Material& material = scene.scene.materials[size_t(hit->point.material)];
   const SurfacePoint point = shading_point(material, hit->point);
   const Bsdf bsdf = make_bsdf(material, point, scene.lines);
   const LobeSet lobes = lobes_of(bsdf);
-  if (!way.chain.empty() && (lobes.has_diffuse || lobes.has_glossy)) land(way, point.position);
+  if (!way.chain.empty() && (lobes.has_diffuse || lobes.has_glossy)) land({way, point.position});
   if (material.normal_map) return;
   const SpecularBranches branches = specular_branches(bsdf, -way.ray.direction);
   for (int i = 0; i < branches.count; ++i) {
     LightWay next = way;
-    deflect(scene, next, material, point, branches.ways[size_t(i)]);
+    deflect(scene, next, point, branches.ways[size_t(i)]);
     if (max_component(next.weight) < least_weight) continue;
     if (next.chain.size() > most)
       is_cut = true;
@@ -131,56 +138,61 @@ bool has_same_triangles(const std::vector<SpecularVertex>& a, const std::vector<
 
 // --- Newton's method on the planes of a chain -------------------------------------------------------
 
+Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+Vec2 operator*(Vec2 a, double s) { return {a.x * s, a.y * s}; }
+double largest(Vec2 p) { return std::max(std::abs(p.x), std::abs(p.y)); }
+
+/// Columns of a matrix.
+using Matrix = std::array<Vec2, 2>;
+
+double determinant(const Matrix& m) { return m[0].x * m[1].y - m[0].y * m[1].x; }
+
+/// The solution of m·x = v.
+std::optional<Vec2> solve(const Matrix& m, Vec2 v) {
+  const double size = determinant(m);
+  if (size == 0) return std::nullopt;
+  return Vec2{(v.x * m[1].y - v.y * m[1].x) / size, (v.y * m[0].x - v.x * m[0].y) / size};
+}
+
 /// The places in which rays of a bundle meet the plane through a place, as coordinates from that place [m].
 class Screen {
  public:
-  Screen(const PathScene& scene, const Light& light, const LightBundle& bundle,
-         const std::vector<SpecularVertex>& chain, Vec3 place, Vec3 normal)
-      : scene_(scene),
-        light_(light),
-        bundle_(bundle),
-        chain_(chain),
-        frame_(frame_from_normal(normal)),
-        place_(place) {}
+  Screen(const PathScene& scene, const Light& light, const RaySquare& rays, const std::vector<SpecularVertex>& chain,
+         Vec3 place, Vec3 normal)
+      : scene_(scene), light_(light), rays_(rays), chain_(chain), frame_(frame_from_normal(normal)), place_(place) {}
 
   std::optional<Vec2> meet(Vec2 p) const {
-    const auto end = retrace(scene_.scene, chain_, ray_at(light_, bundle_, p), place_, frame_.z);
+    const auto end = retrace(scene_.scene, chain_, ray_at(light_, rays_, p), place_, frame_.z);
     if (!end) return std::nullopt;
     const Vec3 from = end->place - place_;
     return Vec2{dot(from, frame_.x), dot(from, frame_.y)};
   }
 
-  struct Derivative {
-    Vec2 p, q;
-    double determinant() const { return p.x * q.y - p.y * q.x; }
-  };
-  std::optional<Derivative> derivative(Vec2 p) const {
+  std::optional<Matrix> derivative(Vec2 p) const {
     constexpr double step =
         1e-4;  // error of 1e-8 by curvature, and by rounding for places to 1e-12 of a bundle's width
     const auto a = meet({p.x + step, p.y}), b = meet({p.x - step, p.y}), c = meet({p.x, p.y + step}),
                d = meet({p.x, p.y - step});
     if (!a || !b || !c || !d) return std::nullopt;
     constexpr double scale = 1 / (2 * step);
-    return Derivative{{(a->x - b->x) * scale, (a->y - b->y) * scale}, {(c->x - d->x) * scale, (c->y - d->y) * scale}};
+    return Matrix{(*a - *b) * scale, (*c - *d) * scale};
   }
 
   /// The ray that meets the place itself.
-  std::optional<Vec2> find(Vec2 p) const {
-    constexpr int most = 16;
-    constexpr double farthest = 8, largest_step = 2, enough = 1e-7;
+  /// @param limit  rays beyond it are of no interest
+  std::optional<Vec2> find(Vec2 p, double limit) const {
+    constexpr int most = 12;
+    constexpr double largest_step = 2, enough = 1e-7, ahead = 1e-5;
     for (int i = 0; i < most; ++i) {
-      const auto off = meet(p);
-      const auto by = derivative(p);
-      if (!off || !by) return std::nullopt;
-      const double determinant = by->determinant();
-      if (determinant == 0) return std::nullopt;
-      Vec2 step{(off->x * by->q.y - off->y * by->q.x) / determinant,
-                (off->y * by->p.x - off->x * by->p.y) / determinant};
-      const double size = std::max(std::abs(step.x), std::abs(step.y));
-      const double scale = size > largest_step ? largest_step / size : 1;
-      p = {p.x - step.x * scale, p.y - step.y * scale};
-      if (size < enough) return p;
-      if (!(std::abs(p.x) < farthest && std::abs(p.y) < farthest)) return std::nullopt;
+      const auto off = meet(p), right = meet({p.x + ahead, p.y}), up = meet({p.x, p.y + ahead});
+      if (!off || !right || !up) return std::nullopt;
+      const auto step = solve({*right - *off, *up - *off}, *off);
+      if (!step) return std::nullopt;
+      const double size = ahead * largest(*step), scale = ahead * (size > largest_step ? largest_step / size : 1);
+      p = p - *step * scale;
+      if (size < enough) return largest(p) > limit ? std::nullopt : std::optional(p);
+      if (!(largest(p) < 2 * limit)) return std::nullopt;
     }
     return std::nullopt;
   }
@@ -188,13 +200,11 @@ class Screen {
  private:
   const PathScene& scene_;
   const Light& light_;
-  const LightBundle& bundle_;
+  const RaySquare& rays_;
   const std::vector<SpecularVertex>& chain_;
   Frame frame_;
   Vec3 place_;
 };
-
-double largest(Vec2 p) { return std::max(std::abs(p.x), std::abs(p.y)); }
 
 constexpr std::array<Vec2, 4> corners{Vec2{-1, -1}, Vec2{1, -1}, Vec2{1, 1}, Vec2{-1, 1}};
 
@@ -246,14 +256,14 @@ class Cells {
     }
   }
 
-  std::vector<Cell> take() { return std::move(cells_); }
+  std::vector<RaySquare> take() { return std::move(cells_); }
 
  private:
   /// Where a target lies for a cell: sizes are angles for a point, and lengths for a beam.
   struct Sight {
     double apart, radius, of_cell;
   };
-  Sight sight(const Cell& cell, const Target& target) const {
+  Sight sight(const RaySquare& cell, const Target& target) const {
     const double half = length(cell.u + cell.v);  // of the diagonal
     if (const auto* beam = std::get_if<DirectionalLight>(&light_))
       return {length(cross(target.centre - cell.centre, beam->direction)), target.radius, half};
@@ -264,7 +274,7 @@ class Cells {
     return {std::acos(std::clamp(cosine, -1.0, 1.0)), of_target, std::asin(std::min(1.0, half / size))};
   }
 
-  void split(const Cell& cell, const std::vector<Target>& targets, int level) {
+  void split(const RaySquare& cell, const std::vector<Target>& targets, int level) {
     constexpr int most_levels = 24;
     std::vector<Target> met;
     bool is_fine = true;
@@ -285,7 +295,7 @@ class Cells {
 
   const Light& light_;
   double fineness_;
-  std::vector<Cell> cells_;
+  std::vector<RaySquare> cells_;
 };
 
 struct FoundBundle {
@@ -305,70 +315,184 @@ bool is_found_anyway(const PathScene& scene, const std::vector<SpecularVertex>& 
                      [&](const FlatMirror& mirror) { return mirror.holds(chain[0].point); });
 }
 
-/// The bundle around a ray that has landed at a place, with the places that it may light.
-FoundBundle make_bundle(const PathScene& scene, const Light& light, const Cell& cell, const LightWay& way, Vec3 place) {
-  constexpr double margin = 1.1, beyond = 2.5;
-  FoundBundle found{{cell.centre, cell.u, cell.v, way.chain, way.ray.direction}, {}};
-  LightBundle& bundle = found.bundle;
-  const Screen middle(scene, light, bundle, bundle.chain, place, bundle.direction);
-  const auto at_middle = middle.derivative({});
-  Box lit;
-  lit.include(place);
-  PathCounts unused;
-  for (const Vec2 corner : corners) {
-    const auto beside = follow_like(scene, ray_at(light, cell, corner), bundle.chain, unused);
-    const auto hit = beside ? scene.accelerator.closest_hit(beside->ray) : std::nullopt;
-    if (hit) {
-      const Vec3 there = hit->point.position;
-      lit.include(there);
-      const auto shown = Screen(scene, light, bundle, bundle.chain, there, bundle.direction).find(corner);
-      bundle.limit = std::max(bundle.limit, shown ? std::min(beyond, margin * largest(*shown)) : beyond);
-    } else {
-      // At the edge of a mirror or lens the planes are extended, half a cell beyond this one.
-      bundle.limit = beyond;
-      const auto end = retrace(scene.scene, bundle.chain, ray_at(light, cell, {beyond * corner.x, beyond * corner.y}),
-                               place, bundle.direction);
-      if (end) lit.include(end->place);
-    }
-    const auto at_corner = middle.derivative(corner);
-    bundle.is_folded =
-        bundle.is_folded || !at_corner || !at_middle || at_corner->determinant() * at_middle->determinant() <= 0;
-  }
-  // Surfaces that lie before the place that the ray has reached are lit, too.
-  const double size = length(lit.high - lit.low);
-  const Vec3 before = bundle.direction * -size, pad = Vec3{1, 1, 1} * (0.25 * size);
-  for (const Vec3 p : {lit.low, lit.high, lit.low + before, lit.high + before}) {
-    found.box.include(p - pad);
-    found.box.include(p + pad);
-  }
-  return found;
+/// The coordinates of the ray that reaches a place, to first order.
+std::optional<Vec2> first_guess(const LightBundle& bundle, Vec3 place) {
+  const Vec3 way = place - bundle.place;
+  const double along = dot(way, bundle.across.z);
+  const Matrix spread{bundle.a[0] + bundle.b[0] * along, bundle.a[1] + bundle.b[1] * along};
+  const auto from_known = solve(spread, {dot(way, bundle.across.x), dot(way, bundle.across.y)});
+  if (!from_known) return std::nullopt;
+  return bundle.known + *from_known;
 }
 
-LampBundles find_bundles(const PathScene& scene, const Light& light, const std::vector<Cell>& cells, bool& is_cut) {
-  std::vector<std::vector<FoundBundle>> of_cell(cells.size());
-  std::vector<char> was_cut(cells.size());
-  const auto by_user = size_t(scene.params.max_depth) - 1;
-  const size_t most = std::min(by_user, size_t(most_chained));
-  parallel_for(0, int64_t(cells.size()), [&](int64_t i) {
-    const Cell& cell = cells[size_t(i)];
-    bool cut = false;
-    follow_all(scene, {ray_at(light, cell, {})}, most, cut, [&](const LightWay& way, Vec3 place) {
-      if (is_black(sample_light(light, way.chain[0].point.position, {}).radiance)) return;
-      if (is_found_anyway(scene, way.chain)) return;
-      of_cell[size_t(i)].push_back(make_bundle(scene, light, cell, way, place));
-    });
-    was_cut[size_t(i)] = cut && most < by_user;
-  });
-  LampBundles found;
-  std::vector<Box> boxes;
-  for (auto& some : of_cell)
-    for (FoundBundle& one : some) {
-      found.bundles.push_back(std::move(one.bundle));
-      boxes.push_back(one.box);
+/// Makes the bundles of a lamp: cell by cell, smaller where its rays do not all meet the same surfaces or spread unevenly.
+class BundleMaker {
+ public:
+  BundleMaker(const PathScene& scene, const Light& light) : scene_(scene), light_(light) {}
+
+  void add(const RaySquare& cell, int level = 0) {
+    std::array<std::vector<Landing>, 5> landings;
+    for (size_t i = 0; i < places.size(); ++i) landings[i] = land(ray_at(light_, cell, places[i]));
+    bool is_even = true;
+    std::vector<FoundBundle> found;
+    for (size_t i = 0; i < places.size(); ++i)
+      for (const Landing& landing : landings[i]) {
+        const auto with_same_way = [&](const std::vector<Landing>& some) {
+          const auto same = std::find_if(some.begin(), some.end(), [&](const Landing& other) {
+            return is_same_way(other.way.chain, landing.way.chain);
+          });
+          return same == some.end() ? nullptr : &*same;
+        };
+        if (std::any_of(landings.begin(), landings.begin() + long(i), with_same_way)) continue;
+        std::array<const Landing*, 5> alike;
+        std::transform(landings.begin(), landings.end(), alike.begin(), with_same_way);
+        const bool spreads_evenly = add_bundle(cell, i, alike, found);
+        is_even = is_even && (spreads_evenly || max_component(landing.way.weight) < least_to_split);
+      }
+    if (!is_even && level < finest_level) {
+      const Vec3 u = cell.u * 0.5, v = cell.v * 0.5;
+      for (const Vec2 corner : corners) add({cell.centre + u * corner.x + v * corner.y, u, v}, level + 1);
+      return;
     }
-  found.boxes = BoxTree(boxes);
-  is_cut = is_cut || std::any_of(was_cut.begin(), was_cut.end(), [](char cut) { return cut != 0; });
-  return found;
+    std::move(found.begin(), found.end(), std::back_inserter(found_));
+  }
+
+  std::vector<FoundBundle> take() { return std::move(found_); }
+  bool is_cut() const { return is_cut_; }
+
+ private:
+  static constexpr std::array<Vec2, 5> places{Vec2{}, corners[0], corners[1], corners[2], corners[3]};
+  static constexpr int finest_level = 3;
+  static constexpr double least_to_split = 0.05;  // of the light
+  static constexpr double least_brightness = 1e-4;
+  static constexpr double even = 0.3;  // error of the first order at the corners, of half a cell
+
+  std::vector<Landing> land(const Ray& ray) {
+    const auto by_user = size_t(scene_.params.max_depth) - 1;
+    const size_t most = std::min(by_user, size_t(most_chained));
+    bool is_cut = false;
+    std::vector<Landing> landings;
+    follow_all(scene_, {ray}, most, is_cut, [&](Landing landing) {
+      if (is_black(strength_toward(light_, landing.way.chain[0].point.position))) return;
+      if (is_found_anyway(scene_, landing.way.chain)) return;
+      landings.push_back(std::move(landing));
+    });
+    is_cut_ = is_cut_ || (is_cut && most < by_user);
+    return landings;
+  }
+
+  /// Adds the bundle of rays that go the way of the landing at places[first], if any of them lands on a surface; two, where
+  /// rays cross and light is folded over: one for each side of the fold.
+  /// @return  whether they all land, and spread evenly
+  bool add_bundle(const RaySquare& cell, size_t first, const std::array<const Landing*, 5>& alike,
+                  std::vector<FoundBundle>& found) const {
+    const auto has_landed = [](const Landing* landing) { return landing && landing->place; };
+    const auto landed = std::find_if(alike.begin(), alike.end(), has_landed);
+    const bool go_all =
+        std::all_of(alike.begin(), alike.end(), [](const Landing* landing) { return landing != nullptr; });
+    if (landed == alike.end()) return go_all;
+    const Vec3 place = alike[first]->place.value_or(*(*landed)->place);
+    std::array<double, 5> orientation{};
+    double brightest = 0;
+    for (size_t i = 0; i < places.size(); ++i)
+      if (alike[i]) {
+        orientation[i] = orientation_at(cell, *alike[i], places[i], place);
+        brightest = std::max(brightest, brightness_at(cell, *alike[i], places[i], orientation[i]));
+      }
+    if (brightest < least_brightness) return true;
+    const auto least = std::min_element(orientation.begin(), orientation.end()),
+               most = std::max_element(orientation.begin(), orientation.end());
+    const bool is_folded = *least < 0 && *most > 0;
+    if (is_folded) {
+      add_bundle_by(cell, size_t(least - orientation.begin()), alike, place, found);
+      add_bundle_by(cell, size_t(most - orientation.begin()), alike, place, found);
+      return false;
+    }
+    return add_bundle_by(cell, first, alike, place, found) && go_all;
+  }
+
+  /// Determinant of the map from coordinates to places across the light; 0 if the chain has none.
+  double orientation_at(const RaySquare& cell, const Landing& landing, Vec2 p, Vec3 place) const {
+    const auto by = Screen(scene_, light_, cell, landing.way.chain, place, landing.way.ray.direction).derivative(p);
+    return by ? determinant(*by) : 0;
+  }
+
+  /// Irradiance over that of the same lamp straight, as far away.
+  double brightness_at(const RaySquare& cell, const Landing& landing, Vec2 p, double orientation) const {
+    const auto& chain = landing.way.chain;
+    double way =
+        std::holds_alternative<DirectionalLight>(light_) ? 1 : length(chain[0].point.position - place_of(light_));
+    if (!std::holds_alternative<DirectionalLight>(light_)) {
+      for (size_t i = 1; i < chain.size(); ++i) way += length(chain[i].point.position - chain[i - 1].point.position);
+      if (landing.place) way += length(*landing.place - chain.back().point.position);
+    }
+    return max_component(landing.way.weight) * density_at(light_, cell, p) / std::abs(orientation) * way * way;
+  }
+
+  bool add_bundle_by(const RaySquare& cell, size_t known, const std::array<const Landing*, 5>& alike, Vec3 place,
+                     std::vector<FoundBundle>& found) const {
+    const LightWay& way = alike[known]->way;
+    LightBundle bundle{
+        cell, way.chain, places[known], alike[known]->place.value_or(place), frame_from_normal(way.ray.direction),
+        {},   {}};
+    const auto screen_at = [&](Vec3 there) {
+      return Screen(scene_, light_, cell, bundle.chain, there, bundle.across.z);
+    };
+    const auto a = screen_at(bundle.place).derivative(bundle.known),
+               behind = screen_at(bundle.place + bundle.across.z).derivative(bundle.known);
+    if (!a || !behind) return false;
+    bundle.a = *a;
+    bundle.b = {(*behind)[0] - (*a)[0], (*behind)[1] - (*a)[1]};  // over 1 m
+
+    double error = 0;
+    Box lit;
+    for (size_t i = 0; i < places.size(); ++i) {
+      if (alike[i] && alike[i]->place) {
+        lit.include(*alike[i]->place);
+        const auto guess = first_guess(bundle, *alike[i]->place);
+        error = std::max(error, guess ? std::min(largest(*guess - places[i]), most_error) : most_error);
+      } else {
+        // Beyond the edge of a mirror, lens or lit surface, by first order.
+        const Vec2 p = places[i] - bundle.known;
+        const Vec2 offset = bundle.a[0] * p.x + bundle.a[1] * p.y;
+        lit.include(bundle.place + bundle.across.x * offset.x + bundle.across.y * offset.y);
+      }
+    }
+    bundle.limit = 1.05 + 1.5 * error;
+    // Surfaces that lie before the place that the ray has reached are lit, too.
+    const double size = length(lit.high - lit.low);
+    const Vec3 before = bundle.across.z * -size, pad = Vec3{1, 1, 1} * (0.1 * size);
+    Box box;
+    for (const Vec3 p : {lit.low, lit.high, lit.low + before, lit.high + before}) {
+      box.include(p - pad);
+      box.include(p + pad);
+    }
+    found.push_back({std::move(bundle), box});
+    return error <= even;
+  }
+  static constexpr double most_error = 1;
+
+  const PathScene& scene_;
+  const Light& light_;
+  std::vector<FoundBundle> found_;
+  bool is_cut_ = false;
+};
+
+LampBundles find_bundles(const PathScene& scene, const Light& light, const std::vector<RaySquare>& cells,
+                         bool& is_cut) {
+  std::vector<BundleMaker> makers(cells.size(), BundleMaker(scene, light));
+  parallel_for(0, int64_t(cells.size()), [&](int64_t i) { makers[size_t(i)].add(cells[size_t(i)]); });
+  LampBundles lamp;
+  std::vector<Box> boxes;
+  for (BundleMaker& maker : makers) {
+    is_cut = is_cut || maker.is_cut();
+    for (FoundBundle& found : maker.take()) {
+      lamp.bundles.push_back(std::move(found.bundle));
+      boxes.push_back(found.box);
+    }
+  }
+  lamp.boxes = BoxTree(boxes);
+  return lamp;
 }
 
 // --- light at a place -------------------------------------------------------------------------------
@@ -386,12 +510,12 @@ std::optional<Arrival> arrive(const PathScene& scene, const Light& light, const 
   constexpr int most = 8;
   std::vector<SpecularVertex> chain = bundle.chain;
   for (int i = 0; i < most; ++i) {
-    auto way = follow_like(scene, ray_at(light, bundle, p), chain, counts);
+    auto way = follow_like(scene, ray_at(light, bundle.rays, p), chain, counts);
     if (!way) return std::nullopt;
     if (has_same_triangles(way->chain, chain)) return Arrival{&bundle, p, std::move(*way)};
     chain = std::move(way->chain);
-    const auto next = Screen(scene, light, bundle, chain, place, bundle.direction).find(p);
-    if (!next || largest(*next) > 2 * bundle.limit) return std::nullopt;
+    const auto next = Screen(scene, light, bundle.rays, chain, place, bundle.across.z).find(p, bundle.limit);
+    if (!next) return std::nullopt;
     p = *next;
   }
   return std::nullopt;
@@ -400,11 +524,14 @@ std::optional<Arrival> arrive(const PathScene& scene, const Light& light, const 
 /// Whether two rays are the same, up to a thousandth of their bundles.
 bool is_same_ray(const Arrival& a, const Arrival& b) {
   if (!is_same_way(a.way.chain, b.way.chain)) return false;
-  const auto start = [](const Arrival& x) { return x.bundle->centre + x.bundle->u * x.p.x + x.bundle->v * x.p.y; };
+  const auto start = [](const Arrival& x) {
+    const RaySquare& rays = x.bundle->rays;
+    return rays.centre + rays.u * x.p.x + rays.v * x.p.y;
+  };
   const Vec3 s = start(a), t = start(b);
   // Cells of two faces of the cube may touch: directions are compared without their lengths.
   const double scale = dot(s, s) > 0 ? dot(s, t) / dot(s, s) : 1;
-  return length(t - s * scale) < 1e-3 * length(a.bundle->u);
+  return length(t - s * scale) < 1e-3 * length(a.bundle->rays.u);
 }
 
 /// Number of focal lines that light passes on its way: places between two surfaces where neighbouring rays meet.
@@ -413,7 +540,7 @@ int count_focal_lines(const PathScene& scene, const Light& light, const Arrival&
   const auto& chain = arrival.way.chain;
   const Vec2 p = arrival.p;
   const auto at = [&](Vec2 q, size_t count) {
-    return retrace(scene.scene, {chain.data(), count}, ray_at(light, *arrival.bundle, q));
+    return retrace(scene.scene, {chain.data(), count}, ray_at(light, arrival.bundle->rays, q));
   };
   int lines = 0;
   for (size_t k = 1; k <= chain.size(); ++k) {
@@ -454,7 +581,7 @@ Caustics find_caustics(const PathScene& scene, int rays) {
   bool is_any = false;
   for (size_t i = 0; i < lights.size(); ++i) {
     if (has_area(lights[i])) continue;
-    const std::vector<Cell> cells = Cells(scene, lights[i], targets, rays).take();
+    const std::vector<RaySquare> cells = Cells(scene, lights[i], targets, rays).take();
     caustics.lamps[i] = find_bundles(scene, lights[i], cells, caustics.has_long);
     is_any = is_any || !caustics.lamps[i].bundles.empty();
   }
@@ -472,42 +599,43 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
   lamp.boxes.visit(place, [&](uint32_t i) {
     const LightBundle& bundle = lamp.bundles[i];
     if (int(bundle.chain.size()) > most_surfaces) return;
-    const Screen screen(scene, light, bundle, bundle.chain, place, bundle.direction);
-    const auto try_from = [&](Vec2 start) {
-      const auto shown = screen.find(start);
-      if (!shown || largest(*shown) > bundle.limit) return;
-      auto arrival = arrive(scene, light, bundle, place, *shown, counts);
-      if (!arrival) return;
-      for (const Arrival& other : arrivals)
-        if (is_same_ray(other, *arrival)) return;
-      const LightWay& way = arrival->way;
-      const auto end = retrace(scene.scene, way.chain, ray_at(light, bundle, arrival->p));
-      if (!end) return;
-      const auto by = Screen(scene, light, bundle, way.chain, place, end->direction).derivative(arrival->p);
-      const double area = by ? std::abs(by->determinant()) : 0;
-      if (!(area > 0)) return;
-      const Vec3 power = power_at(light, bundle, arrival->p, way.chain.front().point.position);
-      if (is_black(power)) return;
-      const double last = dot(place - end->place, end->direction);
-      ++counts.shadow_rays;
-      if (scene.accelerator.is_occluded({scene.accelerator.leave(at, -end->direction), -end->direction},
-                                        last - at.clearance - way.chain.back().point.clearance))
-        return;
-      CausticLight one{-end->direction, power * way.weight * (1 / area), int(way.chain.size()), 0, end->index, {}};
-      if (with_phase) {
-        const Vec3 first = way.chain.front().point.position;
-        const Ray ray = ray_at(light, bundle, arrival->p);
-        // The ray of a beam starts anywhere; its phase does not.
-        one.optical_path = end->optical_path + end->index * last + laser_path(light, first).value_or(0) -
-                           dot(first - ray.origin, ray.direction);
-        one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(scene, light, *arrival, place));
-      }
-      found.push_back(one);
-      arrivals.push_back(std::move(*arrival));
-    };
-    try_from({});
-    if (bundle.is_folded)
-      for (const Vec2 corner : corners) try_from({0.7 * corner.x, 0.7 * corner.y});
+    const auto guess = first_guess(bundle, place);
+    if (!guess || largest(*guess) > bundle.limit) return;
+    const Screen screen(scene, light, bundle.rays, bundle.chain, place, bundle.across.z);
+    const auto shown = screen.find(*guess, bundle.limit);
+    if (!shown) return;
+    auto arrival = arrive(scene, light, bundle, place, *shown, counts);
+    if (!arrival) return;
+    for (const Arrival& other : arrivals)
+      if (is_same_ray(other, *arrival)) return;
+    const LightWay& way = arrival->way;
+    const auto end = retrace(scene.scene, way.chain, ray_at(light, bundle.rays, arrival->p));
+    if (!end) return;
+    const auto by = Screen(scene, light, bundle.rays, way.chain, place, end->direction).derivative(arrival->p);
+    const double area = by ? std::abs(determinant(*by)) : 0;
+    if (!(area > 0)) return;
+    const Vec3 strength = strength_toward(light, way.chain.front().point.position);
+    if (is_black(strength)) return;
+    const double last = dot(place - end->place, end->direction);
+    // The ray ends before the last mirror or glass, by the rounding of both places and at grazing angles by more.
+    const SurfacePoint& from = way.chain.back().point;
+    const double cosine = std::abs(dot(from.geometric_normal, end->direction));
+    const double rounding = 8 * (at.clearance + from.clearance) / std::max(cosine, least_light_cosine);
+    ++counts.shadow_rays;
+    if (scene.accelerator.is_occluded({scene.accelerator.leave(at, -end->direction), -end->direction}, last - rounding))
+      return;
+    const Vec3 irradiance = strength * way.weight * (density_at(light, bundle.rays, arrival->p) / area);
+    CausticLight one{-end->direction, irradiance, int(way.chain.size()), 0, end->index, {}};
+    if (with_phase) {
+      const Vec3 first = way.chain.front().point.position;
+      const Ray ray = ray_at(light, bundle.rays, arrival->p);
+      // The ray of a beam starts anywhere; its phase does not.
+      one.optical_path = end->optical_path + end->index * last + laser_path(light, first).value_or(0) -
+                         dot(first - ray.origin, ray.direction);
+      one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(scene, light, *arrival, place));
+    }
+    found.push_back(one);
+    arrivals.push_back(std::move(*arrival));
   });
   return found;
 }

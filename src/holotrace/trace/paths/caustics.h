@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -14,15 +15,26 @@ namespace holotrace {
 struct PathScene;
 struct PathCounts;
 
-/// Rays of one lamp that the same mirrors and glass surfaces send to neighbouring places. A ray of the bundle has two
-/// coordinates p, q, from −1 to 1 inside it: it leaves a lamp at a point along centre + p·u + q·v, and parallel light at the
-/// place centre + p·u + q·v.
-struct LightBundle {
+/// A square of rays of one lamp. A ray of it has two coordinates p, q, from −1 to 1: it leaves a lamp at a point along
+/// centre + p·u + q·v, and parallel light at the place centre + p·u + q·v [m].
+struct RaySquare {
   Vec3 centre, u, v;
-  std::vector<SpecularVertex> chain;  ///< of the middle ray, from the lamp on
-  Vec3 direction;                     ///< unit, in which the middle ray arrives
-  double limit = 1;                   ///< largest |p| and |q| at which the chain's planes may show light of this bundle
-  bool is_folded = false;             ///< whether two rays of the bundle may reach the same place
+};
+
+/// Rays of a square that the same mirrors and glass surfaces send to neighbouring places.
+struct LightBundle {
+  RaySquare rays;
+  std::vector<SpecularVertex> chain;  ///< of one ray, from the lamp on
+  Vec2 known;                         ///< coordinates of that ray
+  Vec3 place;                         ///< that it lights [m]
+  Frame across;                       ///< z is the unit direction in which it arrives
+
+  /// To first order, ray p is at a·(p − known) across that direction where the known ray is at `place`, and runs at an angle
+  /// b·(p − known) to it. Columns: derivatives by p and q.
+  std::array<Vec2, 2> a, b;
+  double limit =
+      1;  ///< largest |p| and |q| at which the first order, or the chain's planes, may show a ray of this bundle
+  bool is_folded = false;  ///< whether two rays of the bundle may reach the same place: the first order shows neither
 };
 
 /// The bundles of one lamp, and for each of them a box around the places that it lights.

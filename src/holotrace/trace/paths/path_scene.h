@@ -21,7 +21,7 @@ struct PathParams {
   double clamp = 0;              ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
   bool separate_lights = false;  ///< separate sums for each light
   bool asks_at_end = false;      ///< lights are sampled only at the last surface of a path
-  int caustic_rays = 16384;      ///< rays that look for caustics, from each light that no ray can meet, about; 0: none
+  int caustic_rays = 4096;       ///< rays that look for caustics, from each light that no ray can meet, about; 0: none
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
 };

@@ -143,7 +143,7 @@ struct Walk {
         continue;
       SpecularLeaf next = here;
       next.weight = leaf.weight * way.weight;
-      const SpecularVertex vertex = specular_vertex(material, point, ray.direction, way, index, scene.lines);
+      const SpecularVertex vertex = specular_vertex(scene.scene, point, ray.direction, way, index, scene.lines);
       // Inside glass radiance is n² times as large as outside: n²·weight is the fraction of the light.
       const double beyond = vertex.index_after();
       if (max_component(next.weight) * beyond * beyond < least_weight) continue;

@@ -41,13 +41,15 @@ Vec3 normal_between(Vec3 in, Vec3 out, bool is_transmission, double near, double
 
 }  // namespace
 
-SpecularVertex specular_vertex(const Material& material, const SurfacePoint& point, Vec3 direction,
-                               const BsdfSample& branch, double index, const Lines& lines) {
-  const MediumIndices media = media_at(material, point, lines.wavelengths[0]);
+SpecularVertex specular_vertex(const Scene& scene, const SurfacePoint& point, Vec3 direction, const BsdfSample& branch,
+                               double index, const Lines& lines) {
+  const MediumIndices media = media_at(scene.materials[size_t(point.material)], point, lines.wavelengths[0]);
   // If one surface separates two media, the index on the incoming side is that of the ray's medium.
   const double near = media.near == media.far ? index : media.near, far = media.near == media.far ? index : media.far;
-  return {point, normal_between(direction, branch.direction, branch.is_transmission, near, far, point.geometric_normal),
-          branch.is_transmission, near, far};
+  const Vec3 side = point.geometric_normal,
+             normal = normal_between(direction, branch.direction, branch.is_transmission, near, far, side);
+  const Vec3 turn = normal - normal_at(scene.meshes[point.mesh], point.triangle, point.position, side);
+  return {point, normal, turn, branch.is_transmission, near, far};
 }
 
 std::optional<double> distance_to_plane(const Ray& ray, Vec3 place, Vec3 normal) {
@@ -66,10 +68,10 @@ std::optional<RayEnd> retrace(const Scene& scene, std::span<const SpecularVertex
     end.index = vertex.index_after();
     ray.origin = ray.origin + ray.direction * *distance;
     const Mesh& mesh = scene.meshes[point.mesh];
-    Vec3 normal = vertex.normal;
-    if (!mesh.normals.empty())
-      normal = normalize(normal + normal_at(mesh, point.triangle, ray.origin, point.geometric_normal) -
-                         normal_at(mesh, point.triangle, point.position, point.geometric_normal));
+    const Vec3 normal =
+        mesh.normals.empty()
+            ? vertex.normal
+            : normalize(vertex.turn + normal_at(mesh, point.triangle, ray.origin, point.geometric_normal));
     const auto next = deflect(vertex, ray.direction, normal);
     if (!next) return std::nullopt;
     ray.direction = normalize(*next);

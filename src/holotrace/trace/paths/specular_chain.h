@@ -17,6 +17,7 @@ namespace holotrace {
 struct SpecularVertex {
   SurfacePoint point;
   Vec3 normal;           ///< unit normal on the ray's side, of the mirror or lens face that the ray met
+  Vec3 turn;             ///< this normal less the triangle's interpolated normal there: a normal map, or rounding
   bool is_transmission;  ///< refracted, or straight through a pane
   double near, far;      ///< refractive index before the surface and behind it
 
@@ -25,8 +26,8 @@ struct SpecularVertex {
 
 /// The vertex of a ray of this direction that meets a point (shading_point) and leaves it by a branch.
 /// @param index  refractive index of the medium that the ray comes through
-SpecularVertex specular_vertex(const Material& material, const SurfacePoint& point, Vec3 direction,
-                               const BsdfSample& branch, double index, const Lines& lines);
+SpecularVertex specular_vertex(const Scene& scene, const SurfacePoint& point, Vec3 direction, const BsdfSample& branch,
+                               double index, const Lines& lines);
 
 /// A ray at the end of a chain, from geometry alone.
 struct RayEnd {
