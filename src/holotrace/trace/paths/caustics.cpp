@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -32,6 +33,15 @@ Ray ray_at(const Light& light, const RaySquare& rays, Vec2 p) {
   const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
   if (const auto* beam = std::get_if<DirectionalLight>(&light)) return {there, beam->direction};
   return {place_of(light), normalize(there)};
+}
+
+/// Its derivatives by p and q.
+std::array<RayChange, 2> changes_at(const Light& light, const RaySquare& rays, Vec2 p) {
+  if (std::holds_alternative<DirectionalLight>(light)) return {RayChange{rays.u, {}}, {rays.v, {}}};
+  const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
+  const double distance = length(there);
+  const Vec3 d = there / distance;
+  return {RayChange{{}, (rays.u - d * dot(d, rays.u)) / distance}, {{}, (rays.v - d * dot(d, rays.v)) / distance}};
 }
 
 /// Solid angle, or area across a beam, of dp dq at a ray.
@@ -155,54 +165,55 @@ std::optional<Vec2> solve(const Matrix& m, Vec2 v) {
   return Vec2{(v.x * m[1].y - v.y * m[1].x) / size, (v.y * m[0].x - v.x * m[0].y) / size};
 }
 
-/// The places in which rays of a bundle meet the plane through a place, as coordinates from that place [m].
+/// The plane through a place, across a direction, and the places in which rays of a chain meet it.
 class Screen {
  public:
-  Screen(const PathScene& scene, const Light& light, const RaySquare& rays, const std::vector<SpecularVertex>& chain,
-         Vec3 place, Vec3 normal)
-      : scene_(scene), light_(light), rays_(rays), chain_(chain), frame_(frame_from_normal(normal)), place_(place) {}
+  Screen(const Light& light, const RaySquare& rays, std::span<const SpecularVertex> chain, Vec3 place, Vec3 normal)
+      : light_(light), rays_(rays), chain_(chain), across_(frame_from_normal(normal)), place_(place) {}
 
-  std::optional<Vec2> meet(Vec2 p) const {
-    const auto end = retrace(scene_.scene, chain_, ray_at(light_, rays_, p), place_, frame_.z);
+  struct Met {
+    Vec2 off;       // from the place [m]
+    Matrix by;      // its derivatives by p and q
+    Matrix turned;  // derivatives of the direction
+  };
+  std::optional<Met> meet(Vec2 p) const {
+    auto changes = changes_at(light_, rays_, p);
+    const auto end = retrace(chain_, ray_at(light_, rays_, p), place_, across_.z, changes);
     if (!end) return std::nullopt;
-    const Vec3 from = end->place - place_;
-    return Vec2{dot(from, frame_.x), dot(from, frame_.y)};
+    return Met{seen(end->place - place_),
+               {seen(changes[0].place), seen(changes[1].place)},
+               {seen(changes[0].direction), seen(changes[1].direction)}};
   }
 
-  std::optional<Matrix> derivative(Vec2 p) const {
-    constexpr double step =
-        1e-4;  // error of 1e-8 by curvature, and by rounding for places to 1e-12 of a bundle's width
-    const auto a = meet({p.x + step, p.y}), b = meet({p.x - step, p.y}), c = meet({p.x, p.y + step}),
-               d = meet({p.x, p.y - step});
-    if (!a || !b || !c || !d) return std::nullopt;
-    constexpr double scale = 1 / (2 * step);
-    return Matrix{(*a - *b) * scale, (*c - *d) * scale};
-  }
-
-  /// The ray that meets the place itself.
-  /// @param limit  rays beyond it are of no interest
-  std::optional<Vec2> find(Vec2 p, double limit) const {
+  struct Found {
+    Vec2 p;
+    bool is_mirrored;  // whether the determinant of the map from p to places is negative
+  };
+  /// The ray that meets the place itself, by Newton's method.
+  /// @param limit   rays beyond it are of no interest
+  /// @param enough  the error of p is about the square of this
+  std::optional<Found> find(Vec2 p, double limit, double enough) const {
     constexpr int most = 12;
-    constexpr double largest_step = 2, enough = 1e-7, ahead = 1e-5;
+    constexpr double largest_step = 2;
     for (int i = 0; i < most; ++i) {
-      const auto off = meet(p), right = meet({p.x + ahead, p.y}), up = meet({p.x, p.y + ahead});
-      if (!off || !right || !up) return std::nullopt;
-      const auto step = solve({*right - *off, *up - *off}, *off);
+      const auto met = meet(p);
+      const auto step = met ? solve(met->by, met->off) : std::nullopt;
       if (!step) return std::nullopt;
-      const double size = ahead * largest(*step), scale = ahead * (size > largest_step ? largest_step / size : 1);
-      p = p - *step * scale;
-      if (size < enough) return largest(p) > limit ? std::nullopt : std::optional(p);
+      const double size = largest(*step);
+      p = p - *step * (size > largest_step ? largest_step / size : 1);
+      if (size < enough) return largest(p) > limit ? std::nullopt : std::optional(Found{p, determinant(met->by) < 0});
       if (!(largest(p) < 2 * limit)) return std::nullopt;
     }
     return std::nullopt;
   }
 
  private:
-  const PathScene& scene_;
+  Vec2 seen(Vec3 v) const { return {dot(v, across_.x), dot(v, across_.y)}; }
+
   const Light& light_;
   const RaySquare& rays_;
-  const std::vector<SpecularVertex>& chain_;
-  Frame frame_;
+  std::span<const SpecularVertex> chain_;
+  Frame across_;
   Vec3 place_;
 };
 
@@ -240,6 +251,7 @@ class Cells {
  public:
   Cells(const PathScene& scene, const Light& light, const std::vector<Target>& targets, int rays)
       : light_(light), fineness_(std::max(4.0, std::sqrt(2.0 * rays / (pi * double(targets.size()))))) {
+    if (const auto* spot = std::get_if<SpotLight>(&light)) reach_ = std::min(reach_, spot->outer_angle);
     if (const auto* beam = std::get_if<DirectionalLight>(&light)) {
       const ScenePrecision& precision = scene.accelerator.precision();
       const Frame across = frame_from_normal(beam->direction);
@@ -248,6 +260,7 @@ class Cells {
       Vec3 centre = precision.centre - beam->direction * (1.01 * precision.radius);
       if (std::isfinite(beam->radius)) centre += axis - beam->direction * dot(axis, beam->direction);
       const double half = std::min(beam->radius, 1.01 * precision.radius);
+      reach_ = half;
       split({centre, across.x * half, across.y * half}, targets, 0);
     } else {
       const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
@@ -268,10 +281,18 @@ class Cells {
     if (const auto* beam = std::get_if<DirectionalLight>(&light_))
       return {length(cross(target.centre - cell.centre, beam->direction)), target.radius, half};
     const Vec3 way = target.centre - place_of(light_);
-    const double distance = length(way), size = length(cell.centre);
-    const double cosine = distance > 0 ? dot(way, cell.centre) / (distance * size) : 1;
+    const double distance = length(way);
     const double of_target = distance > target.radius ? std::asin(target.radius / distance) : pi;
-    return {std::acos(std::clamp(cosine, -1.0, 1.0)), of_target, std::asin(std::min(1.0, half / size))};
+    return {angle_between(way, cell.centre), of_target, std::asin(std::min(1.0, half / length(cell.centre)))};
+  }
+
+  static double angle_between(Vec3 v, Vec3 w) { return std::atan2(length(cross(v, w)), dot(v, w)); }
+
+  bool is_in_cone(const RaySquare& cell) const {
+    const auto* spot = std::get_if<SpotLight>(&light_);
+    if (!spot) return true;
+    const double of_cell = std::asin(std::min(1.0, length(cell.u + cell.v) / length(cell.centre)));
+    return angle_between(spot->direction, cell.centre) <= spot->outer_angle + of_cell;
   }
 
   void split(const RaySquare& cell, const std::vector<Target>& targets, int level) {
@@ -282,9 +303,9 @@ class Cells {
       const Sight seen = sight(cell, target);
       if (seen.apart > seen.radius + seen.of_cell) continue;
       met.push_back(target);
-      is_fine = is_fine && seen.of_cell * fineness_ <= std::sqrt(2.0) * std::min(seen.radius, 0.5 * pi);
+      is_fine = is_fine && seen.of_cell * fineness_ <= std::sqrt(2.0) * std::min(seen.radius, reach_);
     }
-    if (met.empty()) return;
+    if (met.empty() || !is_in_cone(cell)) return;
     if (is_fine || level == most_levels) {
       cells_.push_back(cell);
       return;
@@ -294,7 +315,7 @@ class Cells {
   }
 
   const Light& light_;
-  double fineness_;
+  double fineness_, reach_ = 0.5 * pi;  // angle, or radius of a beam [m]
   std::vector<RaySquare> cells_;
 };
 
@@ -309,7 +330,7 @@ bool is_found_anyway(const PathScene& scene, const std::vector<SpecularVertex>& 
     return vertex.is_transmission && is_pane(scene.scene.materials[size_t(vertex.point.material)]);
   };
   if (std::all_of(chain.begin(), chain.end(), is_straight)) return true;
-  const auto& planes = scene.mirrors.planes;
+  const auto& planes = scene.mirrors;
   return chain.size() == 1 && !chain[0].is_transmission &&
          std::any_of(planes.begin(), planes.end(),
                      [&](const FlatMirror& mirror) { return mirror.holds(chain[0].point); });
@@ -364,7 +385,7 @@ class BundleMaker {
   static constexpr std::array<Vec2, 5> places{Vec2{}, corners[0], corners[1], corners[2], corners[3]};
   static constexpr int finest_level = 3;
   static constexpr double least_to_split = 0.05;  // of the light
-  static constexpr double least_brightness = 1e-4;
+  static constexpr double least_brightness = 1e-3;
   static constexpr double even = 0.3;  // error of the first order at the corners, of half a cell
 
   std::vector<Landing> land(const Ray& ray) {
@@ -413,8 +434,8 @@ class BundleMaker {
 
   /// Determinant of the map from coordinates to places across the light; 0 if the chain has none.
   double orientation_at(const RaySquare& cell, const Landing& landing, Vec2 p, Vec3 place) const {
-    const auto by = Screen(scene_, light_, cell, landing.way.chain, place, landing.way.ray.direction).derivative(p);
-    return by ? determinant(*by) : 0;
+    const auto met = Screen(light_, cell, landing.way.chain, place, landing.way.ray.direction).meet(p);
+    return met ? determinant(met->by) : 0;
   }
 
   /// Irradiance over that of the same lamp straight, as far away.
@@ -435,14 +456,10 @@ class BundleMaker {
     LightBundle bundle{
         cell, way.chain, places[known], alike[known]->place.value_or(place), frame_from_normal(way.ray.direction),
         {},   {}};
-    const auto screen_at = [&](Vec3 there) {
-      return Screen(scene_, light_, cell, bundle.chain, there, bundle.across.z);
-    };
-    const auto a = screen_at(bundle.place).derivative(bundle.known),
-               behind = screen_at(bundle.place + bundle.across.z).derivative(bundle.known);
-    if (!a || !behind) return false;
-    bundle.a = *a;
-    bundle.b = {(*behind)[0] - (*a)[0], (*behind)[1] - (*a)[1]};  // over 1 m
+    const auto met = Screen(light_, cell, bundle.chain, bundle.place, bundle.across.z).meet(bundle.known);
+    if (!met) return false;
+    bundle.a = met->by;
+    bundle.b = met->turned;
 
     double error = 0;
     Box lit;
@@ -500,64 +517,63 @@ LampBundles find_bundles(const PathScene& scene, const Light& light, const std::
 /// A ray of a lamp that reaches a place.
 struct Arrival {
   const LightBundle* bundle;
-  Vec2 p;
+  Screen::Found ray;
   LightWay way;
 };
 
+/// Whether a ray of a bundle is one that has been found, up to a part of the bundle's width.
+bool is_known(const std::vector<Arrival>& arrivals, const LightBundle& bundle, const Screen::Found& ray,
+              double within) {
+  const auto start = [](const LightBundle& b, const Screen::Found& r) {
+    return b.rays.centre + b.rays.u * r.p.x + b.rays.v * r.p.y;
+  };
+  return std::any_of(arrivals.begin(), arrivals.end(), [&](const Arrival& other) {
+    // On both sides of a fold two rays that are close to each other reach the place.
+    if (other.ray.is_mirrored != ray.is_mirrored || !is_same_way(other.way.chain, bundle.chain)) return false;
+    const Vec3 s = start(bundle, ray), t = start(*other.bundle, other.ray);
+    // Squares on two faces of the cube may touch: directions are compared without their lengths.
+    const double scale = dot(s, s) > 0 ? dot(s, t) / dot(s, s) : 1;
+    return length(t - s * scale) < within * length(bundle.rays.u);
+  });
+}
+
 /// Newton's method on real rays, from a ray that planes show.
-std::optional<Arrival> arrive(const PathScene& scene, const Light& light, const LightBundle& bundle, Vec3 place, Vec2 p,
-                              PathCounts& counts) {
+std::optional<Arrival> arrive(const PathScene& scene, const Light& light, const LightBundle& bundle, Vec3 place,
+                              Screen::Found ray, PathCounts& counts) {
   constexpr int most = 8;
-  std::vector<SpecularVertex> chain = bundle.chain;
+  constexpr double enough = 1e-4;  // 1e-8 of the width of a bundle
+  std::vector<SpecularVertex> known;
   for (int i = 0; i < most; ++i) {
-    auto way = follow_like(scene, ray_at(light, bundle.rays, p), chain, counts);
+    auto way = follow_like(scene, ray_at(light, bundle.rays, ray.p), bundle.chain, counts);
     if (!way) return std::nullopt;
-    if (has_same_triangles(way->chain, chain)) return Arrival{&bundle, p, std::move(*way)};
-    chain = std::move(way->chain);
-    const auto next = Screen(scene, light, bundle.rays, chain, place, bundle.across.z).find(p, bundle.limit);
+    if (!known.empty() && has_same_triangles(way->chain, known)) return Arrival{&bundle, ray, std::move(*way)};
+    const auto next = Screen(light, bundle.rays, way->chain, place, bundle.across.z).find(ray.p, bundle.limit, enough);
     if (!next) return std::nullopt;
-    p = *next;
+    // The ray hardly moves: its surfaces are those that it has met.
+    if (largest(next->p - ray.p) < enough) return Arrival{&bundle, *next, std::move(*way)};
+    ray = *next;
+    known = std::move(way->chain);
   }
   return std::nullopt;
 }
 
-/// Whether two rays are the same, up to a thousandth of their bundles.
-bool is_same_ray(const Arrival& a, const Arrival& b) {
-  if (!is_same_way(a.way.chain, b.way.chain)) return false;
-  const auto start = [](const Arrival& x) {
-    const RaySquare& rays = x.bundle->rays;
-    return rays.centre + rays.u * x.p.x + rays.v * x.p.y;
-  };
-  const Vec3 s = start(a), t = start(b);
-  // Cells of two faces of the cube may touch: directions are compared without their lengths.
-  const double scale = dot(s, s) > 0 ? dot(s, t) / dot(s, s) : 1;
-  return length(t - s * scale) < 1e-3 * length(a.bundle->rays.u);
-}
-
 /// Number of focal lines that light passes on its way: places between two surfaces where neighbouring rays meet.
-int count_focal_lines(const PathScene& scene, const Light& light, const Arrival& arrival, Vec3 place) {
-  constexpr double step = 1e-4;
+int count_focal_lines(const Light& light, const Arrival& arrival, Vec3 place) {
+  const RaySquare& rays = arrival.bundle->rays;
   const auto& chain = arrival.way.chain;
-  const Vec2 p = arrival.p;
-  const auto at = [&](Vec2 q, size_t count) {
-    return retrace(scene.scene, {chain.data(), count}, ray_at(light, arrival.bundle->rays, q));
-  };
   int lines = 0;
   for (size_t k = 1; k <= chain.size(); ++k) {
-    const auto here = at(p, k), right = at({p.x + step, p.y}, k), up = at({p.x, p.y + step}, k);
-    if (!here || !right || !up) return lines;
-    const Vec3 d = here->direction;
-    const auto across = [&](Vec3 v) { return v - d * dot(v, d); };
-    // Rays in the plane across this one at the distance s: offsets a₀ + s·a₁ and b₀ + s·b₁.
-    const auto offset = [&](const RayEnd& end) {
-      return across(end.place - here->place - end.direction * dot(end.place - here->place, d));
-    };
-    const Vec3 a0 = offset(*right), b0 = offset(*up), a1 = across(right->direction - d), b1 = across(up->direction - d);
-    const auto area = [&](Vec3 a, Vec3 b) { return dot(cross(a, b), d); };
-    const double c0 = area(a0, b0), c1 = area(a0, b1) + area(a1, b0), c2 = area(a1, b1);
-    const Vec3 next = k < chain.size() ? chain[k].point.position : place;
-    const double reach = length(next - here->place), root = c1 * c1 - 4 * c2 * c0;
-    if (root < 0) continue;
+    auto changes = changes_at(light, rays, arrival.ray.p);
+    const auto here = retrace({chain.data(), k}, ray_at(light, rays, arrival.ray.p), changes);
+    if (!here) return lines;
+    // Neighbouring rays at the distance s, in the plane across this one: a₀ + s·a₁ and b₀ + s·b₁.
+    const auto& [a, b] = changes;
+    const auto area = [&](Vec3 v, Vec3 w) { return dot(cross(v, w), here->direction); };
+    const double c0 = area(a.place, b.place), c1 = area(a.place, b.direction) + area(a.direction, b.place),
+                 c2 = area(a.direction, b.direction);
+    const double reach = length((k < chain.size() ? chain[k].point.position : place) - here->place);
+    // Curvatures of wavefronts are real: below 0 it is rounding, at a point focus.
+    const double root = std::max(0.0, c1 * c1 - 4 * c2 * c0);
     // Zeros of c₀ + c₁s + c₂s² without cancellation.
     const double q = -0.5 * (c1 + std::copysign(std::sqrt(root), c1));
     for (const double s : {q / c2, c0 / q}) lines += s > 0 && s < reach;
@@ -601,18 +617,19 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
     if (int(bundle.chain.size()) > most_surfaces) return;
     const auto guess = first_guess(bundle, place);
     if (!guess || largest(*guess) > bundle.limit) return;
-    const Screen screen(scene, light, bundle.rays, bundle.chain, place, bundle.across.z);
-    const auto shown = screen.find(*guess, bundle.limit);
-    if (!shown) return;
+    // The planes show the ray to a hundredth of the bundle; neighbouring bundles show the same one.
+    constexpr double rough = 0.1, within = 0.3;
+    const auto shown =
+        Screen(light, bundle.rays, bundle.chain, place, bundle.across.z).find(*guess, bundle.limit, rough);
+    if (!shown || is_known(arrivals, bundle, *shown, within)) return;
     auto arrival = arrive(scene, light, bundle, place, *shown, counts);
-    if (!arrival) return;
-    for (const Arrival& other : arrivals)
-      if (is_same_ray(other, *arrival)) return;
+    if (!arrival || is_known(arrivals, bundle, arrival->ray, 1e-3)) return;
     const LightWay& way = arrival->way;
-    const auto end = retrace(scene.scene, way.chain, ray_at(light, bundle.rays, arrival->p));
+    const Ray ray = ray_at(light, bundle.rays, arrival->ray.p);
+    const auto end = retrace(way.chain, ray);
     if (!end) return;
-    const auto by = Screen(scene, light, bundle.rays, way.chain, place, end->direction).derivative(arrival->p);
-    const double area = by ? std::abs(determinant(*by)) : 0;
+    const auto met = Screen(light, bundle.rays, way.chain, place, end->direction).meet(arrival->ray.p);
+    const double area = met ? std::abs(determinant(met->by)) : 0;
     if (!(area > 0)) return;
     const Vec3 strength = strength_toward(light, way.chain.front().point.position);
     if (is_black(strength)) return;
@@ -624,15 +641,14 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
     ++counts.shadow_rays;
     if (scene.accelerator.is_occluded({scene.accelerator.leave(at, -end->direction), -end->direction}, last - rounding))
       return;
-    const Vec3 irradiance = strength * way.weight * (density_at(light, bundle.rays, arrival->p) / area);
+    const Vec3 irradiance = strength * way.weight * (density_at(light, bundle.rays, arrival->ray.p) / area);
     CausticLight one{-end->direction, irradiance, int(way.chain.size()), 0, end->index, {}};
     if (with_phase) {
       const Vec3 first = way.chain.front().point.position;
-      const Ray ray = ray_at(light, bundle.rays, arrival->p);
       // The ray of a beam starts anywhere; its phase does not.
       one.optical_path = end->optical_path + end->index * last + laser_path(light, first).value_or(0) -
                          dot(first - ray.origin, ray.direction);
-      one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(scene, light, *arrival, place));
+      one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(light, *arrival, place));
     }
     found.push_back(one);
     arrivals.push_back(std::move(*arrival));

@@ -1,6 +1,7 @@
 #include "holotrace/trace/paths/specular.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -15,40 +16,33 @@ namespace {
 constexpr double least_weight = 1e-3;
 
 /// Traces a ray through the planes of a leaf's chain to the plane of its last surface.
-std::optional<RayEnd> retrace(const Scene& scene, const SpecularLeaf& leaf, const Ray& ray) {
-  if (leaf.kind == LeafKind::beyond) return retrace(scene, leaf.chain, ray);
+std::optional<RayEnd> retrace(const SpecularLeaf& leaf, const Ray& ray, std::span<RayChange> changes = {}) {
+  if (leaf.kind == LeafKind::beyond) return retrace(leaf.chain, ray, changes);
   const SurfacePoint& last = leaf.start.point;
-  return retrace(scene, leaf.chain, ray, last.position, last.geometric_normal);
+  return retrace(leaf.chain, ray, last.position, last.geometric_normal, changes);
 }
 
-/// Curvature tr C of the wavefront at the ray's origin [1/m], positive if it diverges; none if the chain
-/// cannot be traced for slightly displaced rays.
-std::optional<double> twice_mean_curvature(const Scene& scene, const SpecularLeaf& leaf, const Ray& ray,
-                                           const RayEnd& end) {
-  const double reach = std::max(std::abs(end.optical_path), 1e-6), step = 1e-6;  // of the reach, and in radians
+/// Curvature tr C of the wavefront at the ray's origin [1/m], positive if it diverges; none if neighbouring rays show the same.
+std::optional<double> twice_mean_curvature(const SpecularLeaf& leaf, const Ray& ray, const RayEnd& end) {
   const Frame across = frame_from_normal(ray.direction);
   const Frame screen =
       frame_from_normal(leaf.kind == LeafKind::beyond ? end.direction : leaf.start.point.geometric_normal);
-  const auto derivative = [&](Vec3 shift, Vec3 turn, double by) -> std::optional<Vec2> {
-    const auto ahead = retrace(scene, leaf, {ray.origin + shift, normalize(ray.direction + turn)});
-    const auto behind = retrace(scene, leaf, {ray.origin - shift, normalize(ray.direction - turn)});
-    if (!ahead || !behind) return std::nullopt;
-    const Vec3 change =
-        leaf.kind == LeafKind::beyond ? ahead->direction - behind->direction : ahead->place - behind->place;
-    return Vec2{dot(change, screen.x) / (2 * by), dot(change, screen.y) / (2 * by)};
-  };
-  const double shift = step * reach;
-  const auto q1 = derivative(across.x * shift, {}, shift), q2 = derivative(across.y * shift, {}, shift);
-  const auto d1 = derivative({}, across.x * step, step), d2 = derivative({}, across.y * step, step);
-  if (!q1 || !q2 || !d1 || !d2) return std::nullopt;
-  const double determinant = d1->x * d2->y - d2->x * d1->y;
+  std::array<RayChange, 4> changes{RayChange{across.x, {}}, {across.y, {}}, {{}, across.x}, {{}, across.y}};
+  if (!retrace(leaf, ray, changes)) return std::nullopt;
+  std::array<Vec2, 4> by;
+  std::transform(changes.begin(), changes.end(), by.begin(), [&](const RayChange& change) {
+    const Vec3 seen = leaf.kind == LeafKind::beyond ? change.direction : change.place;
+    return Vec2{dot(seen, screen.x), dot(seen, screen.y)};
+  });
+  const auto& [q1, q2, d1, d2] = by;
+  const double determinant = d1.x * d2.y - d2.x * d1.y;
   if (determinant == 0) return std::nullopt;
-  return (d2->y * q1->x - d2->x * q1->y + d1->x * q2->y - d1->y * q2->x) / determinant;
+  return (d2.y * q1.x - d2.x * q1.y + d1.x * q2.y - d1.y * q2.x) / determinant;
 }
 
 /// Moves the leaf to the end of the chain traced in double, and computes its apparent distance.
-void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
-  const auto end = retrace(scene, leaf, ray);
+void place_leaf(const Ray& ray, SpecularLeaf& leaf) {
+  const auto end = retrace(leaf, ray);
   if (end) {
     if (leaf.kind != LeafKind::beyond) leaf.start.point.position = end->place;
     leaf.start.outgoing = -end->direction;
@@ -58,7 +52,7 @@ void place_leaf(const Scene& scene, const Ray& ray, SpecularLeaf& leaf) {
     leaf.distance = leaf.optical_path;
     return;
   }
-  const auto curvature = end ? twice_mean_curvature(scene, leaf, ray, *end) : std::nullopt;
+  const auto curvature = end ? twice_mean_curvature(leaf, ray, *end) : std::nullopt;
   leaf.is_far = !(curvature && std::abs(*curvature) > 2 / farthest_origin);
   leaf.distance = leaf.is_far ? farthest_origin : 2 / *curvature;
   if (leaf.kind == LeafKind::beyond) leaf.optical_path = leaf.distance;
@@ -79,7 +73,7 @@ struct Walk {
 
   void add(SpecularLeaf leaf) {
     if (!ends_here(leaf)) return;
-    place_leaf(scene.scene, first, leaf);
+    place_leaf(first, leaf);
     leaves.push_back(std::move(leaf));
   }
 
@@ -184,7 +178,7 @@ bool shows_the_same(const PathScene& scene, const SpecularLeaf& found, const Spe
   if (length(place - there.position) > 0.01 * reach) return false;
   if (!is_flat(scene.scene, model.chain))
     return std::abs(dot(place - there.position, there.geometric_normal)) <= 1e-3 * reach;
-  const auto expected = retrace(scene.scene, model, ray);
+  const auto expected = retrace(model, ray);
   if (!expected) return false;
   const double rounding = 4 * there.clearance + 1e-5 * reach;
   return length(place - expected->place) <= rounding + 0.1 * length(expected->place - there.position);

@@ -43,7 +43,7 @@ inline constexpr double farthest_origin = 100;
 ///
 ///     R = 2/tr C
 ///
-/// The derivatives are central differences of the chain, traced again in double at the planes of the same triangles,
+/// The derivatives are those of the chain, traced again in double at the planes of the same triangles,
 /// whose normals are extended linearly beyond their edges. R is exact (to 1e-8) for plane mirrors (the total distance)
 /// and for slabs of glass (the apparent depth). Curved mirrors and lenses of smooth triangles follow their focal
 /// law. Where the two principal curvatures differ (astigmatism: oblique incidence on glass or curved mirrors), one
@@ -57,7 +57,7 @@ inline constexpr double farthest_origin = 100;
 /// @param counts  the rays are added here, and to `cut` the branches that end at max_depth
 /// @return        the leaves; none if the ray itself meets nothing
 ///
-/// Cost: one ray for each branch, and 8 passes over the chain for each leaf.
+/// Cost: one ray for each branch, and two passes over the chain for each leaf.
 /// Reference: the ray-transfer matrix of a general optical system, M. Born and E. Wolf, Principles of Optics, 4.6.
 std::vector<SpecularLeaf> follow_specular(const PathScene& scene, const Ray& ray, PathCounts& counts);
 

@@ -17,9 +17,12 @@ namespace holotrace {
 struct SpecularVertex {
   SurfacePoint point;
   Vec3 normal;           ///< unit normal on the ray's side, of the mirror or lens face that the ray met
-  Vec3 turn;             ///< this normal less the triangle's interpolated normal there: a normal map, or rounding
   bool is_transmission;  ///< refracted, or straight through a pane
   double near, far;      ///< refractive index before the surface and behind it
+
+  /// At x on the triangle's plane the normal is that of normal + bend_u·(slope_u·y) + bend_v·(slope_v·y), y = x − position:
+  /// the interpolated normal, also beyond the edges. Zero for flat triangles.
+  Vec3 bend_u, bend_v, slope_u, slope_v;
 
   double index_after() const { return is_transmission ? far : near; }
 };
@@ -36,16 +39,20 @@ struct RayEnd {
   double index = 1;         ///< refractive index of the medium behind the chain
 };
 
-/// Distance along a ray to the plane through a place [m]; none if it is parallel to the plane.
-std::optional<double> distance_to_plane(const Ray& ray, Vec3 place, Vec3 normal);
+/// Derivatives of a ray's place and direction by a coordinate of the ray.
+struct RayChange {
+  Vec3 place, direction;
+};
 
-/// Traces a ray through the planes of a chain. The interpolated normals of their triangles are extended linearly
-/// beyond the edges. The ray ends at the last surface, with the direction in which it leaves it; none if it meets a plane
-/// nowhere or is totally reflected where the chain refracts.
-std::optional<RayEnd> retrace(const Scene& scene, std::span<const SpecularVertex> chain, Ray ray);
+/// Traces a ray through the planes of a chain, whose normals are extended linearly beyond the edges of the triangles. The ray
+/// ends at the last surface, with the direction in which it leaves it; none if it meets a plane nowhere or is
+/// totally reflected where the chain refracts.
+///
+/// @param changes  derivatives of the ray at its origin; at its end after the call
+std::optional<RayEnd> retrace(std::span<const SpecularVertex> chain, const Ray& ray, std::span<RayChange> changes = {});
 
 /// The same, on to the plane through a place behind the chain.
-std::optional<RayEnd> retrace(const Scene& scene, std::span<const SpecularVertex> chain, const Ray& ray, Vec3 place,
-                              Vec3 normal);
+std::optional<RayEnd> retrace(std::span<const SpecularVertex> chain, const Ray& ray, Vec3 place, Vec3 normal,
+                              std::span<RayChange> changes = {});
 
 }  // namespace holotrace
