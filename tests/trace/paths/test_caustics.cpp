@@ -217,6 +217,34 @@ TEST(Caustics, CountLightOfPanesAndFlatMirrorsOnce) {
   EXPECT_NEAR(Plate(scene, "E.*L", {.max_depth = 3}).at(2_mm, 0) / (light_from(5_mm) + light_from(-45_mm)), 1, 1e-4);
 }
 
+// A lamp at the height a over glass of index n, and a plate at the depth b in it: rays of a small angle θ go on at θ/n, and
+// cover (a + b/n)² of the plate for each unit of solid angle.
+TEST(Caustics, LightAPlateInGlass) {
+  constexpr double a = 40_mm, b = 30_mm, n = 1.5;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(n)});
+  scene.meshes.push_back(make_test_quad({0, 0, plate_z - b}, {30_mm, 0, 0}, {0, -30_mm, 0}, 1));
+  scene.lights = {PointLight{{0, 0, plate_z - b - a}, {1, 1, 1}}};
+  // 0.2 mm off the axis: light differs by the square of 3e-3.
+  EXPECT_NEAR(Plate(scene, "EDSL").at(0.2_mm, 0) / 0.96 * std::pow(a + b / n, 2), 1, 1e-4);
+}
+
+TEST(Caustics, AreHiddenByWhatIsInTheWay) {
+  constexpr double radius = 80_mm, b = 70_mm, a = 30_mm;
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}}};
+  const double spread = 1 + b * (1 / a - 2 / radius), height = 4_mm;  // on the mirror
+  EXPECT_GT(Plate(scene, "EDSL").at(spread * height, 0), 0);
+  // Cards halfway from the lamp to the mirror, and halfway from there to the plate; each hides its way alone.
+  for (const Vec3 middle :
+       {Vec3{height / 2, 0, plate_z - b + a / 2}, {height * (1 + spread) / 2, 0, plate_z - b / 2}}) {
+    Scene hidden = scene;
+    hidden.meshes.push_back(make_test_quad(middle, {0.5_mm, 0, 0}, {0, 0.5_mm, 0}));
+    EXPECT_EQ(Plate(hidden, "EDSL").at(spread * height, 0), 0);
+    EXPECT_GT(Plate(hidden, "EDSL").at(-spread * height, 0), 0);
+  }
+}
+
 // The same ball, and a lamp of 3 mm × 3 mm that paths meet by chance, against 36 small lamps on it.
 TEST(Caustics, AgreeWithPathsThatMeetALampByChance) {
   constexpr double side = 3_mm, a = 30_mm, b = 15_mm;
