@@ -23,7 +23,7 @@ std::vector<DepthRange> depth_ranges(const Scene& scene, const Grid& panel, doub
   constexpr int side = 215;                // rays along each axis of their directions
   constexpr double least_light = 0.1;      // of an image, as a part of that of its object
   constexpr size_t places_of_image = 100;  // one place in so many
-  const PathScene path_scene(scene, Lines(), {}, PathParams());
+  const PathScene path_scene(scene, Lines(), {}, {.caustic_rays = 0});
   const double tangent = std::min(10.0, acceptance_tangent(wavelength, panel.pitch));
   const double half_width = panel.width() / 2, half_height = panel.height() / 2;
   std::vector<double> surfaces, images;

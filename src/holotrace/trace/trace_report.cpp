@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <variant>
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
@@ -31,25 +30,12 @@ std::string unseen_sentence(const Grid& panel, double wavelength, const TracePar
                 : "move the scene onto the axis or take a panel of finer pitch");
 }
 
-bool is_solid_glass(const Material& material) {
-  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
-  return glass && !glass->is_thin;
-}
-
 }  // namespace
 
 std::string dark_sentence(const Scene& scene) {
   if (scene.lights.empty()) return "every first hit is dark; add lights, emission or a background to the scene";
-  const std::string unreached =
-      "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; ";
-  const bool has_glass = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
-    return is_solid_glass(scene.materials[size_t(mesh.material)]);
-  });
-  if (has_glass)
-    return unreached +
-           "solid glass casts a shadow in the light of points, spots, beams and the sun: light what it covers by "
-           "rectangles, emission, a background or an environment";
-  return unreached + "move them, or add others, emission or a background";
+  return "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; move them, or add "
+         "others, emission or a background";
 }
 
 namespace {

@@ -102,22 +102,18 @@ TEST(FlatMirrors, AreHiddenByWhatIsBeforeThem) {
   }
 }
 
-TEST(FlatMirrors, AreThePlanesOfMeshesAndCurvedOnesAreNamed) {
+TEST(FlatMirrors, AreThePlanesOfMeshesThatReflect) {
   const auto mirrors_of = [](Scene scene) { return PathScene(scene, Lines{}, {}, {}).mirrors; };
   Scene scene = make_wall_beside_mirror(ConductorMaterial{});
-  EXPECT_TRUE(mirrors_of(scene).planes.empty());  // no lamp that needs them
+  EXPECT_TRUE(mirrors_of(scene).empty());  // no lamp that needs them
   scene.lights = {PointLight{{0, 0, -0.1}, {1, 1, 1}}};
-  EXPECT_EQ(mirrors_of(scene).planes.size(), 1u);
-  EXPECT_FALSE(mirrors_of(scene).has_curved);
+  EXPECT_EQ(mirrors_of(scene).size(), 1u);
   scene.meshes.push_back(make_round_mesh({0, 0, -0.2}, 5_mm, 12));
   scene.meshes.back().material = 1;
-  EXPECT_EQ(mirrors_of(scene).planes.size(), 1u);
-  EXPECT_TRUE(mirrors_of(scene).has_curved);
+  EXPECT_EQ(mirrors_of(scene).size(), 1u);
   scene.meshes.back().material = 0;
   scene.materials[1] = ConductorMaterial{.roughness = 0.2};
-  EXPECT_TRUE(mirrors_of(scene).planes.empty());  // sampling a lamp from rough metal finds its light
-  scene.materials[1] = DielectricMaterial{};
-  EXPECT_TRUE(mirrors_of(scene).has_curved);  // it refracts
+  EXPECT_TRUE(mirrors_of(scene).empty());  // sampling a lamp from rough metal finds its light
 }
 
 // Lloyd's mirror: a laser h above a mirror and its image make fringes of the period λL/2h on a screen at the distance L: λ = 532 nm,

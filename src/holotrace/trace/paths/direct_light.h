@@ -68,7 +68,10 @@ class DirectLight {
   void add(const B& bsdf, const PathVertex& at, double weight, LowDiscrepancy& numbers) {
     if (!begin(lobes(bsdf), at.state)) return;
     for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
-      if (!light.is_shared) return add_unmet(bsdf, at, light, sample(at.point.position, {}), weight);
+      if (!light.is_shared) {
+        add_unmet(bsdf, at, light, sample(at.point.position, {}), weight);
+        return add_caustics(bsdf, at, light, weight);
+      }
       const LightSample way = sample(at.point.position, numbers.two());
       if (const auto reflected = reflect(bsdf, at, way, true, weight)) add_if_visible(at, way, light, *reflected);
     });
@@ -84,7 +87,10 @@ class DirectLight {
     Waiting waiting;
     int taken = 0;
     for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
-      if (!light.is_shared) return add_unmet(bsdf, at, light, sample(at.point.position, {}), paths);
+      if (!light.is_shared) {
+        add_unmet(bsdf, at, light, sample(at.point.position, {}), paths);
+        return add_caustics(bsdf, at, light, paths);
+      }
       const int dimension = taken++;
       if (const auto* surface = reflector(bsdf); surface && fits_lanes(light))
         return add_lanes_at(*surface, at, light, {paths, dimension}, numbers);
@@ -102,7 +108,8 @@ class DirectLight {
     return taken;
   }
 
-  /// The sum of `add` with weight 1 over paths on surfaces of their own.
+  /// The sum of `add` with weight 1 over paths on surfaces of their own. Caustics are found for every fourth path only, and count
+  /// fourfold; for every eighth where the surfaces are first hits of a pixel.
   /// @param state, depth, aim  of all of them, as of PathVertex
   /// @param dimension          of the numbers, the first that the lights take; the numbers are at a path of the block
   /// @return                   number of dimensions that `add` takes of each path
@@ -112,6 +119,9 @@ class DirectLight {
     const DiffuseSurfaces& surfaces = paths.surfaces;
     const bool are_near = depth == 1;  // first hits of a pixel
     int taken = 0;
+    const uint32_t every = are_near ? 8 : 4;
+    uint32_t first = 0;
+    if (!scene_.caustics.is_empty()) first = numbers.of_block(dimension + taken++).x[paths.number[0]] % every;
     for_each_light(depth, [&](const SampledLight& light, const auto& sample) {
       LowDiscrepancy::Block places;
       if (light.is_shared) places = numbers.of_block(dimension + taken++);
@@ -129,10 +139,12 @@ class DirectLight {
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
         const PathVertex at{point, {}, state, depth, aim};
         const LightSample way = sample(point.position, place_of(i));
-        if (!light.is_shared)
+        if (!light.is_shared) {
           add_unmet(bsdf, at, light, way, 1);
-        else if (const auto reflected = reflect(bsdf, at, way, true, 1))
+          if (i % every == first) add_caustics(bsdf, at, light, every);
+        } else if (const auto reflected = reflect(bsdf, at, way, true, 1)) {
           add_if_visible(at, way, light, *reflected);
+        }
       }
     });
     return taken;
@@ -174,8 +186,8 @@ class DirectLight {
       visit({emitters.background_group(), true}, [&](Vec3, Vec2 u) { return environment->sample(u); });
   }
 
-  /// Whether light that no ray can meet may come through panes or by flat mirrors.
-  bool passes_mirrors() const { return scene_.has_panes || !scene_.mirrors.planes.empty(); }
+  /// Whether light that no ray can meet may come by mirrors or glass.
+  bool passes_mirrors() const { return scene_.has_panes || !scene_.mirrors.empty() || !scene_.caustics.is_empty(); }
 
   /// Adds the light of a light that no ray can meet: straight, through panes, and by each flat mirror.
   template <class B>
@@ -183,12 +195,40 @@ class DirectLight {
                  double weight) {
     if (const auto reflected = reflect(bsdf, at, way, false, weight)) add_if_visible(at, way, light, *reflected);
     if (!light.light || at.depth >= scene_.params.max_depth) return;
-    const auto& planes = scene_.mirrors.planes;
+    const auto& planes = scene_.mirrors;
     for (size_t m = 0; m < planes.size(); ++m) {
       const LightSample by_mirror = sample_light(planes[m].images[size_t(light.group)], at.point.position, {});
       if (const auto reflected = reflect(bsdf, at, by_mirror, false, weight))
         add_by_mirror(at, by_mirror, {m, light.group}, *reflected);
     }
+  }
+
+  /// Adds the light of such a light that comes by curved mirrors, glass and several flat mirrors.
+  template <class B>
+  void add_caustics(const B& bsdf, const PathVertex& at, const SampledLight& light, double weight) {
+    if (scene_.caustics.is_empty() || !light.light || at.depth >= scene_.params.max_depth) return;
+    const auto ways = caustic_light(scene_, at.point, size_t(light.group), scene_.params.max_depth - at.depth,
+                                    Sink::follows_phase, counts_);
+    for (size_t i = 0; i < ways.size(); ++i) {
+      const CausticLight& way = ways[i];
+      const auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.irradiance}, false, weight);
+      if (!reflected) continue;
+      add_behind(way.surfaces, light.group, *reflected);
+      if constexpr (Sink::follows_phase) {
+        std::optional<double> path;
+        if (laser_path(*light.light, at.point.position)) {
+          const Vec3 move = sink_.place_of_phase(at.point.position) - at.point.position;
+          path = way.optical_path / way.index - dot(move, way.direction);
+        }
+        sink_.end_way(path, {int(scene_.mirrors.size() + i) + 1, way.phase});
+      }
+    }
+  }
+
+  /// Adds light that has met so many mirrors, panes and glass surfaces on its way.
+  void add_behind(int surfaces, int group, const Reflected& light) {
+    if (const auto groups = path_groups_behind(surfaces, diffuse_state_)) sink_.add(groups, group, light.diffuse);
+    if (const auto groups = path_groups_behind(surfaces, glossy_state_)) sink_.add(groups, group, light.glossy);
   }
 
   struct MirroredLight {
@@ -200,7 +240,7 @@ class DirectLight {
   /// the image of a light on the other side of the mirror does not meet it.
   void add_by_mirror(const PathVertex& at, const LightSample& way, const MirroredLight& mirrored,
                      const Reflected& reflected) {
-    const FlatMirror& mirror = scene_.mirrors.planes[mirrored.mirror];
+    const FlatMirror& mirror = scene_.mirrors[mirrored.mirror];
     const Ray ray{scene_.accelerator.leave(at.point, way.direction), way.direction};
     ++counts_.rays;
     const auto hit = scene_.accelerator.closest_hit(ray, at.aim);
@@ -216,10 +256,7 @@ class DirectLight {
     const Ray onward{scene_.accelerator.leave(hit->point, back->direction), back->direction};
     const double left = way.distance - length(hit->point.position - at.point.position);
     if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
-    if (const auto groups = path_groups_behind(1, diffuse_state_))
-      sink_.add(groups, mirrored.group, reflected.diffuse * back->weight);
-    if (const auto groups = path_groups_behind(1, glossy_state_))
-      sink_.add(groups, mirrored.group, reflected.glossy * back->weight);
+    add_behind(1, mirrored.group, {reflected.diffuse * back->weight, reflected.glossy * back->weight});
     if constexpr (Sink::follows_phase)
       sink_.end_way(laser_path(mirror.images[size_t(mirrored.group)], sink_.place_of_phase(at.point.position)),
                     {int(mirrored.mirror) + 1, back->phase});
@@ -415,9 +452,9 @@ class DirectLight {
     return std::nullopt;
   }
 
-  /// The path groups that accept light which passed panes on its way to the surface; the path left it in `state`.
-  uint32_t path_groups_behind(int panes, PathAutomaton::State state) const {
-    for (; panes > 0; --panes) state = scene_.automaton.step(state, PathEvent::specular);
+  /// The path groups that accept light which met mirrors, panes or glass on its way to the surface; the path left it in `state`.
+  uint32_t path_groups_behind(int surfaces, PathAutomaton::State state) const {
+    for (; surfaces > 0; --surfaces) state = scene_.automaton.step(state, PathEvent::specular);
     return scene_.automaton.accepted(state);
   }
 

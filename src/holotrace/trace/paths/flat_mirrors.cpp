@@ -70,20 +70,16 @@ bool FlatMirror::holds(const SurfacePoint& point) const {
          std::abs(dot(point.position - place, normal)) <= 8 * point.clearance;
 }
 
-FlatMirrors flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines) {
-  FlatMirrors mirrors;
+std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines) {
+  std::vector<FlatMirror> mirrors;
   if (std::all_of(lights.begin(), lights.end(), has_area)) return mirrors;
   for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     const Material& material = scene.materials[size_t(mesh.material)];
-    if (mesh.triangles.empty()) continue;
-    if (!reflects(material, lines)) continue;
-    const bool refracts = std::holds_alternative<DielectricMaterial>(material.surface) && !is_pane(material);
-    auto planes = material.normal_map ? std::nullopt : planes_of(mesh, m);
-    mirrors.has_curved = mirrors.has_curved || !planes || refracts;
-    if (planes) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors.planes));
+    if (mesh.triangles.empty() || material.normal_map || !reflects(material, lines)) continue;
+    if (auto planes = planes_of(mesh, m)) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors));
   }
-  for (FlatMirror& mirror : mirrors.planes)
+  for (FlatMirror& mirror : mirrors)
     for (const Light& light : lights) mirror.images.push_back(mirror_image(light, mirror));
   return mirrors;
 }

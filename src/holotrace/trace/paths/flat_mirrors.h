@@ -20,19 +20,14 @@ struct FlatMirror {
   bool holds(const SurfacePoint& point) const;
 };
 
-/// A flat mirror between a surface and a light.
+/// Mirrors and glass between a surface and a light.
 struct MirrorOnWay {
-  int number = 0;  ///< from 1 on; 0: none
-  Vec3 phase{};    ///< that it adds at the lines [rad]
-};
-
-struct FlatMirrors {
-  std::vector<FlatMirror> planes;
-  bool has_curved = false;  ///< whether there is also curved metal, or glass that refracts, which make no such images
+  int number = 0;  ///< of the way: a flat mirror, or one of the ways of caustic_light; from 1 on; 0: straight
+  Vec3 phase{};    ///< that they add at the lines [rad]
 };
 
 /// The planes of all meshes that reflect, if there are lights that rays cannot meet. Meshes of more than 16 planes, and those with
-/// smooth normals or a normal map, count as curved.
-FlatMirrors flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines);
+/// smooth normals or a normal map, count as curved and have none.
+std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines);
 
 }  // namespace holotrace

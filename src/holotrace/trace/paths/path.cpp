@@ -97,10 +97,15 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
 }
 
 void warn_of_caustics(const PathScene& scene, const Observer& observer) {
-  if (!scene.mirrors.has_curved) return;
-  observer.warn(
-      "the light of point, spot and directional lights that curved mirrors or glass throw on other surfaces (caustics) is left "
-      "out; use rectangle lights, which paths find by themselves");
+  if (scene.caustics.has_normal_map)
+    observer.warn(
+        "the light of point, spot and directional lights that mirrors and glass with a normal map throw on other surfaces is "
+        "left out; use rectangle lights, which paths find by themselves");
+  if (scene.caustics.has_long)
+    observer.warn(fmt::format(
+        "the light of point, spot and directional lights that more than {} mirrors and glass surfaces throw on other "
+        "surfaces one after the other is left out; use rectangle lights, which paths find by themselves",
+        most_chained));
 }
 
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,

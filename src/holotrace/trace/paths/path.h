@@ -33,7 +33,7 @@ struct PathCounts {
 /// "absorbed", "cut", "left_out" and "clamped", and warns if cut paths lose light.
 void report(const PathCounts& counts, int max_depth, const Observer& observer);
 
-/// Warns if lights that no ray can meet have reflections or refractions that paths cannot find (FlatMirrors::has_curved).
+/// Warns if lights that no ray can meet have reflections or refractions that are left out (Caustics).
 void warn_of_caustics(const PathScene& scene, const Observer& observer);
 
 /// Start of light paths: a surface that a ray from the panel or a lens has met, possibly by mirrors and glass.

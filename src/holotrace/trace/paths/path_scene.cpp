@@ -28,6 +28,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
   for (size_t i = 0; i < rectangles.size(); ++i)
     if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
       rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
+  caustics = find_caustics(*this, params.caustic_rays);
 }
 
 }  // namespace holotrace

@@ -8,6 +8,7 @@
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/lights/light_lanes.h"
+#include "holotrace/trace/paths/caustics.h"
 #include "holotrace/trace/paths/flat_mirrors.h"
 #include "holotrace/trace/shared/lines.h"
 
@@ -20,6 +21,7 @@ struct PathParams {
   double clamp = 0;              ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
   bool separate_lights = false;  ///< separate sums for each light
   bool asks_at_end = false;      ///< lights are sampled only at the last surface of a path
+  int caustic_rays = 1024;       ///< rays that look for caustics, from each light that no ray can meet, about; 0: none
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
 };
@@ -34,8 +36,9 @@ struct PathScene {
   Lines lines;
   PathParams params;
   std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
-  FlatMirrors mirrors;                 ///< that reflect the light of lights which no ray can meet
+  std::vector<FlatMirror> mirrors;     ///< that reflect the light of lights which no ray can meet
   bool has_panes;                      ///< whether a mesh is of thin glass, which transmits light straight on
+  Caustics caustics;                   ///< light of such lights by curved mirrors, glass and several flat mirrors
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp
   /// below 0

@@ -18,7 +18,7 @@
 //   static constexpr bool follows_phase        whether start, scatter and travel are called
 //   add(path_groups, group, radiance)               light of a group for the path groups whose bits are set
 //   end_way(laser_path, reflection)            all light of one contribution was added; for a laser: its optical path
-//                                              from there to the surface, else none; a flat mirror on that way
+//                                              from there to the surface, else none; mirrors and glass on that way
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
 //   place_of_phase(point)                      place on that surface at which the phase of light is evaluated
 

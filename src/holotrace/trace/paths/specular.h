@@ -6,16 +6,9 @@
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/path_scene.h"
+#include "holotrace/trace/paths/specular_chain.h"
 
 namespace holotrace {
-
-/// A mirror or a smooth glass surface on the way from the panel.
-struct SpecularVertex {
-  SurfacePoint point;
-  Vec3 normal;           ///< unit normal on the ray's side, of the mirror or lens face that the ray met
-  bool is_transmission;  ///< refracted, or straight through a pane
-  double near, far;      ///< refractive index before the surface and behind it
-};
 
 /// What a branch of mirrors and glass ends at: a surface that scatters (surface); the mirror or glass surface itself,
 /// which emits (glow); a light with an area (RectangleLight), seen by reflection (light); or nothing, infinitely far
@@ -59,7 +52,7 @@ inline constexpr double farthest_origin = 100;
 ///
 ///     R = 2/tr C
 ///
-/// The derivatives are central differences of the chain, traced again in double at the planes of the same triangles,
+/// The derivatives are those of the chain, traced again in double at the planes of the same triangles,
 /// whose normals are extended linearly beyond their edges. R is exact (to 1e-8) for plane mirrors (the total distance)
 /// and for slabs of glass (the apparent depth). Curved mirrors and lenses of smooth triangles follow their focal
 /// law. Where the two principal curvatures of C differ (astigmatism: oblique incidence on glass or curved mirrors), R is that of
@@ -73,7 +66,7 @@ inline constexpr double farthest_origin = 100;
 /// @param counts  the rays are added here, and to `cut` the branches that end at max_depth
 /// @return        the leaves; none if the ray itself meets nothing
 ///
-/// Cost: one ray for each branch, and 8 passes over the chain for each leaf.
+/// Cost: one ray for each branch, and two passes over the chain for each leaf.
 /// Reference: the ray-transfer matrix of a general optical system, M. Born and E. Wolf, Principles of Optics, 4.6.
 std::vector<SpecularLeaf> follow_specular(const PathScene& scene, const Ray& ray, PathCounts& counts);
 

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "holotrace/base/vec.h"
+#include "holotrace/trace/geometry/box_tree.h"
+#include "holotrace/trace/paths/specular_chain.h"
+
+// Light of lamps that no ray can meet (points, spots, beams), thrown on surfaces by mirrors and glass: caustics.
+
+namespace holotrace {
+
+struct PathScene;
+struct PathCounts;
+
+/// A square of rays of one lamp. A ray of it has two coordinates p, q, from −1 to 1: it leaves a lamp at a point along
+/// centre + p·u + q·v, and parallel light at the place centre + p·u + q·v [m].
+struct RaySquare {
+  Vec3 centre, u, v;
+};
+
+/// Rays of a square that the same mirrors and glass surfaces send to neighbouring places.
+struct LightBundle {
+  RaySquare rays;
+  std::vector<SpecularVertex> chain;  ///< of one ray, from the lamp on
+  Vec2 known;                         ///< coordinates of that ray
+  Vec3 place;                         ///< that it lights [m]
+  Frame across;                       ///< z is the unit direction in which it arrives
+
+  /// To first order, ray p is at a·(p − known) across that direction where the known ray is at `place`, and runs at an angle
+  /// b·(p − known) to it. Columns: derivatives by p and q.
+  std::array<Vec2, 2> a, b;
+  double limit =
+      1;  ///< largest |p| and |q| at which the first order, or the chain's planes, may show a ray of this bundle
+  bool is_folded = false;  ///< whether two rays of the bundle may reach the same place: the first order shows neither
+};
+
+/// The bundles of one lamp, and for each of them a box around the places that it lights.
+struct LampBundles {
+  std::vector<LightBundle> bundles;
+  BoxTree boxes;
+};
+
+/// What is known in advance about the light that mirrors and glass throw on other surfaces.
+struct Caustics {
+  std::vector<LampBundles> lamps;  ///< of each light of the scene; empty if none has any bundles
+  bool has_normal_map = false;     ///< whether light by a mirror or glass with a normal map was left out
+  bool has_long = false;           ///< whether light by more than most_chained surfaces was left out
+
+  bool is_empty() const { return lamps.empty(); }
+};
+
+inline constexpr int most_chained = 12;  ///< mirrors and glass surfaces between a lamp and the surface that it lights
+
+/// Sends rays from all lamps that no ray can meet toward the meshes that reflect as mirrors do or refract, and follows all
+/// reflections and refractions to the surfaces that scatter. Empty if there are no such lamps or meshes.
+///
+/// Chains that DirectLight finds without help are left out: straight through panes, and by one flat mirror.
+///
+/// @param rays  number of rays from each lamp, about; 0: no caustics
+Caustics find_caustics(const PathScene& scene, int rays);
+
+/// Light of one lamp that reaches a place by one chain of mirrors and glass.
+struct CausticLight {
+  Vec3 direction;           ///< unit, from the place toward the last surface of the chain
+  Vec3 irradiance;          ///< across that direction, at the lines [W/m²]
+  int surfaces = 0;         ///< mirrors and glass surfaces on the way
+  double optical_path = 0;  ///< Σ n·d from the lamp to the place; for a beam, from the plane through its position [m]
+  double index = 1;         ///< refractive index of the medium at the place
+  Vec3 phase;               ///< that the surfaces add at the lines [rad], and −π/2 for each focal line on the way
+};
+
+/// All light that a lamp throws on a place by mirrors and glass; what lies in its way hides it.
+///
+/// The place x lies in the boxes of some bundles. In each of them the ray that reaches x is found by Newton's method: the
+/// planes of the chain's triangles, with their normals extended beyond the edges, give the ray's coordinates; the real ray at
+/// them gives the triangles for the next step, until they remain the same. The light of this ray is then exact,
+///
+///     E = I(ω)·Πᵢ Tᵢ · |dω/dA|      (parallel light: E₀·Πᵢ Tᵢ·|dA₀/dA|),
+///
+/// with the reflectances and transmittances Tᵢ of power, and the area dA across the ray at x that the solid angle dω of the
+/// lamp lights. The derivatives are central differences of the chain in double, as in specular.h. At a focal line dA is 0.
+/// Where several images of a lamp are seen from x, each counts once.
+///
+/// The bundles decide which images are found, but not how bright they are: there is no blur and no noise.
+///
+/// @param most_surfaces  longer chains are left out
+/// @param with_phase     whether optical_path and phase are needed
+/// Reference: W. Jakob and S. Marschner, Manifold Exploration, ACM Trans. Graph. 31(4), 2012, for Newton's method on chains;
+/// D. Mitchell and P. Hanrahan, Illumination from Curved Reflectors, SIGGRAPH 1992, for the light of the images.
+std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& place, size_t light,
+                                        int most_surfaces, bool with_phase, PathCounts& counts);
+
+}  // namespace holotrace

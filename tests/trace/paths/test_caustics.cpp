@@ -1,0 +1,413 @@
+#include <gtest/gtest.h>
+
+#include <complex>
+#include <functional>
+
+#include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/paths/caustics.h"
+#include "trace/follow.h"
+
+// Light of lamps that no ray can meet, by curved mirrors, glass and several flat mirrors, against geometrical optics.
+
+namespace holotrace {
+namespace {
+
+constexpr double reflectance_of_plate = 0.6;
+constexpr double plate_z = -0.3;
+
+/// A metal of index 0: it reflects everything.
+Material ideal_mirror() { return ConductorMaterial{.index = constant_index(1e-6)}; }
+
+/// A plate in the plane z = −0.3 m, its material 0; mirrors and glass lie below it, and are material 1.
+Scene make_plate(const Material& below, double half = 20_mm) {
+  Scene scene;
+  scene.materials = {grey(reflectance_of_plate), below};
+  scene.meshes = {make_wall(plate_z, half, half)};
+  return scene;
+}
+
+/// Part of a sphere around `centre`, up to an angle from the direction −z; normals point to the centre or away from it.
+Mesh make_cap(Vec3 centre, double radius, double angle, int rings, int columns, bool points_inward) {
+  Mesh mesh;
+  mesh.name = "cap";
+  mesh.material = 1;
+  const auto add = [&](double polar, double azimuth) {
+    const Vec3 out{std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), -std::cos(polar)};
+    mesh.positions.push_back(centre + out * radius);
+    mesh.normals.push_back(points_inward ? -out : out);
+  };
+  const auto turn = [&](uint32_t a, uint32_t b, uint32_t c) {
+    points_inward ? mesh.triangles.push_back({a, b, c}) : mesh.triangles.push_back({a, c, b});
+  };
+  add(0, 0);
+  const bool is_closed = angle == pi;
+  const int last = is_closed ? rings - 1 : rings;
+  for (int j = 1; j <= last; ++j)
+    for (int i = 0; i < columns; ++i) add(angle * j / rings, 2 * pi * i / columns);
+  const auto index = [&](int ring, int i) { return uint32_t(1 + (ring - 1) * columns + i % columns); };
+  for (int i = 0; i < columns; ++i) {
+    turn(0, index(1, i), index(1, i + 1));
+    for (int j = 1; j < last; ++j) {
+      turn(index(j, i), index(j + 1, i), index(j + 1, i + 1));
+      turn(index(j, i), index(j + 1, i + 1), index(j, i + 1));
+    }
+  }
+  if (is_closed) {
+    add(pi, 0);
+    const auto pole = uint32_t(mesh.positions.size() - 1);
+    for (int i = 0; i < columns; ++i) turn(index(last, i), pole, index(last, i + 1));
+  }
+  return mesh;
+}
+
+Mesh make_ball(Vec3 centre, double radius, int rings) { return make_cap(centre, radius, pi, rings, 2 * rings, false); }
+
+/// Irradiance on the lower side of the plate [W/m²], or on its upper side, by the paths of a group.
+class Plate {
+ public:
+  Plate(const Scene& scene, const std::string& group, const PathParams& params = {})
+      : path_scene_(scene, Lines{}, {group}, params) {}
+
+  double at(double x, double y, bool is_below = true) const {
+    const double side = is_below ? -1 : 1;
+    const PathStart start = start_of(path_scene_, {{x, y, plate_z + side * 1e-4}, {0, 0, -side}});
+    Vec3 sum;
+    PathCounts counts;
+    mean_radiance(path_scene_, start, 16, 0, {&sum, 1}, counts);
+    return sum.y * pi / reflectance_of_plate;
+  }
+
+  /// Power on the square |x|, |y| < half, by n × n places.
+  double power(double half, int n) const {
+    double sum = 0;
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) sum += at(half * ((2 * i + 1.0) / n - 1), half * ((2 * j + 1.0) / n - 1));
+    return sum * std::pow(2 * half / n, 2);
+  }
+
+  const PathScene& scene() const { return path_scene_; }
+
+ private:
+  PathScene path_scene_;
+};
+
+// A lamp at the distance a before a mirror of radius R: the wavefront that leaves the mirror has the curvature C = 1/a − 2/R,
+// and at the distance b the light of a small solid angle covers (1 + bC)²·a² as much.
+TEST(Caustics, OfConcaveMirrorsFollowTheMirrorEquation) {
+  constexpr double radius = 80_mm, b = 70_mm;
+  for (const double a : {20_mm, 30_mm, 60_mm}) {
+    Scene scene = make_plate(ideal_mirror());
+    scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+    scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}}};
+    const double spread = 1 + b * (1 / a - 2 / radius);
+    // The place (0.1 mm, 0.2 mm) is off the axis by 3e-3 of b; the square of that changes its light by 1e-5 or less.
+    EXPECT_NEAR(Plate(scene, "EDSL").at(0.1_mm, 0.2_mm) * a * a * spread * spread, 1, 1e-4) << a;
+  }
+}
+
+// All light that the mirror takes in reaches the plate: the solid angle of its rim, 2π(1 − cosβ).
+TEST(Caustics, OfConcaveMirrorsKeepThePower) {
+  constexpr double radius = 80_mm, b = 70_mm, a = 60_mm, half_angle = 0.25;
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, half_angle, 60, 120, true));
+  scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}}};
+  const double rim = radius * std::sin(half_angle), depth = radius * (1 - std::cos(half_angle));
+  const double expected = 2 * pi * (1 - std::cos(std::atan2(rim, a - depth)));
+  // The rim is a polygon of 120 sides: its solid angle is smaller by 2π²/3/120² = 5e-4. The spot of radius 8 mm has 200
+  // cells of 100 µm along its edge, of which a random half counts: 1/√200 of 2/80.
+  EXPECT_NEAR(Plate(scene, "EDSL").power(10_mm, 200) / expected, 1, 3e-3);
+}
+
+/// 1 − F of unpolarised light into glass of index n at an angle of incidence.
+double transmittance(double angle, double n) {
+  const double c = std::cos(angle), t = std::sqrt(n * n - 1 + c * c);
+  const double s = (c - t) / (c + t), p = (n * n * c - t) / (n * n * c + t);
+  return 1 - (s * s + p * p) / 2;
+}
+
+// A ball of glass of radius R and a lamp at the distance a from its middle. The ray at the angle β enters at θ, sinθ = a/R·sinβ,
+// is bent by 2(θ − θ'), sinθ' = sinθ/n, and loses the same part of its light at both faces.
+TEST(Caustics, OfAGlassBallKeepThePower) {
+  constexpr double radius = 5_mm, a = 30_mm, b = 15_mm, n = 1.5;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(n)});
+  scene.meshes.push_back(make_ball({0, 0, plate_z - b}, radius, 120));
+  scene.lights = {PointLight{{0, 0, plate_z - b - a}, {1, 1, 1}}};
+  const auto landing = [&](double beta) {
+    const double theta = std::asin(a / radius * std::sin(beta)), within = std::asin(std::sin(theta) / n);
+    // Places on the ball, by their angle from −z about its middle: it enters at θ − β, and its chord spans π − 2θ'.
+    const double angle = beta - 2 * (theta - within), exit = theta - beta + pi - 2 * within;
+    return std::pair{radius * std::sin(exit) + (b + radius * std::cos(exit)) * std::tan(angle), angle};
+  };
+  for (const double disc : {0.6_mm, 2_mm, 6_mm}) {
+    double expected = 0;
+    constexpr int steps = 200000;
+    const double most = std::asin(radius / a);
+    for (int i = 0; i < steps; ++i) {
+      const double beta = (i + 0.5) / steps * most, theta = std::asin(a / radius * std::sin(beta));
+      const auto [place, angle] = landing(beta);
+      if (std::abs(angle) < pi / 2 && std::abs(place) < disc)
+        expected += std::pow(transmittance(theta, n), 2) * 2 * pi * std::sin(beta) * most / steps;
+    }
+    const Plate plate(scene, "EDSSL");
+    double power = 0;
+    constexpr int rings = 4000;
+    for (int i = 0; i < rings; ++i) {
+      const double r = (i + 0.5) / rings * disc, azimuth = 2.4 * i;  // the golden angle
+      power += plate.at(r * std::cos(azimuth), r * std::sin(azimuth)) * 2 * pi * r * disc / rings;
+    }
+    EXPECT_NEAR(power / expected, 1, 5e-3) << disc;
+  }
+}
+
+// Parallel light leaves a concave mirror with the curvature −2/R; a beam of a finite radius ends at its edge.
+TEST(Caustics, OfBeamsFollowTheMirrorEquation) {
+  constexpr double radius = 80_mm, b = 30_mm;
+  Scene scene = make_plate(ideal_mirror(), 0.2_mm);  // small: its shadow hides the middle of the mirror alone
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  const double spread = 1 - 2 * b / radius;
+  // At the height h = 0.6 mm, spherical aberration changes the spread by about 5(h/R)² of it.
+  const double x = 0.15_mm, height = x / spread;
+  scene.lights = {DirectionalLight{{0, 0, -1}, {1, 1, 1}}};
+  EXPECT_NEAR(Plate(scene, "EDSL").at(x, 0) * spread * spread, 1, 1e-3);
+  for (const auto& [beam_radius, expected] : {std::pair{1.1 * height, 1.0}, {0.9 * height, 0.0}}) {
+    scene.lights = {DirectionalLight{{0, 0, -1}, {1, 1, 1}, {}, beam_radius}};
+    EXPECT_NEAR(Plate(scene, "EDSL").at(x, 0) * spread * spread, expected, 1e-3);
+  }
+}
+
+// Two mirrors at a right angle show a lamp, two images of it, and the image in both, which is seen once.
+TEST(Caustics, TwoFlatMirrorsShowThreeImages) {
+  Scene scene = make_plate(ideal_mirror());
+  const double z = plate_z - 50_mm;
+  scene.meshes.push_back(make_test_quad({-20_mm, 0, z}, {0, 20_mm, 0}, {0, 0, 49.9_mm}, 1));
+  scene.meshes.push_back(make_test_quad({0, -20_mm, z}, {20_mm, 0, 0}, {0, 0, 49.9_mm}, 1));
+  scene.lights = {PointLight{{-8_mm, -11_mm, plate_z - 60_mm}, {1, 1, 1}}};
+  const Plate plate(scene, "E.*L"), by_both(scene, "EDSSL"), by_both_too_short(scene, "EDSSL", {.max_depth = 2});
+  const auto straight = [&](double image_x, double image_y, double x, double y) {
+    const double squared = std::pow(image_x - x, 2) + std::pow(image_y - y, 2) + std::pow(60_mm, 2);
+    return 60_mm / std::pow(squared, 1.5);
+  };
+  for (const auto& [x, y] : {std::pair{3_mm, 2_mm}, {-15_mm, 1_mm}, {-17_mm, -18_mm}, {10_mm, -12_mm}}) {
+    const double both = straight(-32_mm, -29_mm, x, y);
+    const double sum =
+        straight(-8_mm, -11_mm, x, y) + straight(-32_mm, -11_mm, x, y) + straight(-8_mm, -29_mm, x, y) + both;
+    // Derivatives are differences of 1e-8 accuracy; the metal of index 1e-6 absorbs 4e-6/cosθ.
+    EXPECT_NEAR(by_both.at(x, y) / both, 1, 1e-4) << x << " " << y;
+    EXPECT_NEAR(plate.at(x, y) / sum, 1, 1e-4) << x << " " << y;
+    EXPECT_EQ(by_both_too_short.at(x, y), 0);
+  }
+}
+
+// A lamp behind a pane, and a flat mirror beside it: light straight through the pane, by the mirror alone, and by both, each once.
+TEST(Caustics, CountLightOfPanesAndFlatMirrorsOnce) {
+  Scene scene = make_plate(ideal_mirror());
+  scene.materials.push_back(DielectricMaterial{.index = constant_index(1.5), .is_thin = true});
+  scene.meshes.push_back(make_test_quad({-20_mm, 0, plate_z - 50_mm}, {0, 40_mm, 0}, {0, 0, 49.9_mm}, 1));
+  scene.meshes.push_back(make_wall(plate_z - 30_mm, 80_mm, 80_mm, 2));
+  scene.lights = {PointLight{{5_mm, 0, plate_z - 60_mm}, {1, 1, 1}}};
+  const auto light_from = [&](double image_x) {
+    const double side = image_x - 2_mm, distance = std::hypot(side, 60_mm),
+                 once = 1 - transmittance(std::atan2(std::abs(side), 60_mm), 1.5);
+    return (1 - 2 * once / (1 + once)) * 60_mm / std::pow(distance, 3);
+  };
+  // Both ways meet the pane.
+  EXPECT_NEAR(Plate(scene, "EDSL").at(2_mm, 0) / light_from(5_mm), 1, 1e-9);
+  EXPECT_NEAR(Plate(scene, "EDSSL").at(2_mm, 0) / light_from(-45_mm), 1, 1e-4);
+  // With light that the pane reflects to the mirror and back there would be more: two more surfaces.
+  EXPECT_NEAR(Plate(scene, "E.*L", {.max_depth = 3}).at(2_mm, 0) / (light_from(5_mm) + light_from(-45_mm)), 1, 1e-4);
+}
+
+// A lamp at the height a over glass of index n, and a plate at the depth b in it: rays of a small angle θ go on at θ/n, and
+// cover (a + b/n)² of the plate for each unit of solid angle.
+TEST(Caustics, LightAPlateInGlass) {
+  constexpr double a = 40_mm, b = 30_mm, n = 1.5;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(n)});
+  scene.meshes.push_back(make_test_quad({0, 0, plate_z - b}, {30_mm, 0, 0}, {0, -30_mm, 0}, 1));
+  scene.lights = {PointLight{{0, 0, plate_z - b - a}, {1, 1, 1}}};
+  // 0.2 mm off the axis: light differs by the square of 3e-3.
+  EXPECT_NEAR(Plate(scene, "EDSL").at(0.2_mm, 0) / 0.96 * std::pow(a + b / n, 2), 1, 1e-4);
+}
+
+TEST(Caustics, AreHiddenByWhatIsInTheWay) {
+  constexpr double radius = 80_mm, b = 70_mm, a = 30_mm;
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}}};
+  const double spread = 1 + b * (1 / a - 2 / radius), height = 4_mm;  // on the mirror
+  EXPECT_GT(Plate(scene, "EDSL").at(spread * height, 0), 0);
+  // Cards halfway from the lamp to the mirror, and halfway from there to the plate; each hides its way alone.
+  for (const Vec3 middle :
+       {Vec3{height / 2, 0, plate_z - b + a / 2}, {height * (1 + spread) / 2, 0, plate_z - b / 2}}) {
+    Scene hidden = scene;
+    hidden.meshes.push_back(make_test_quad(middle, {0.5_mm, 0, 0}, {0, 0.5_mm, 0}));
+    EXPECT_EQ(Plate(hidden, "EDSL").at(spread * height, 0), 0);
+    EXPECT_GT(Plate(hidden, "EDSL").at(-spread * height, 0), 0);
+  }
+}
+
+// The same ball, and a lamp of 3 mm × 3 mm that paths meet by chance, against 36 small lamps on it.
+TEST(Caustics, AgreeWithPathsThatMeetALampByChance) {
+  constexpr double side = 3_mm, a = 30_mm, b = 15_mm;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(1.5)});
+  scene.meshes.push_back(make_ball({0, 0, plate_z - b}, 5_mm, 60));
+  Scene small = scene;
+  scene.lights = {RectangleLight{
+      {-side / 2, -side / 2, plate_z - b - a}, {side, 0, 0}, {0, side, 0}, Vec3{1, 1, 1} / (side * side), false}};
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 6; ++i)
+      small.lights.push_back(PointLight{{side * ((i + 0.5) / 6 - 0.5), side * ((j + 0.5) / 6 - 0.5), plate_z - b - a},
+                                        Vec3{1, 1, 1} / 36});
+  const PathScene path_scene(scene, Lines{}, {"EDSSL"}, {});
+  EXPECT_TRUE(path_scene.caustics.is_empty());
+  const Plate plate(small, "EDSSL");
+  for (const double x : {0.5_mm, 1.5_mm, 3_mm}) {
+    Statistics by_chance;
+    const PathStart start = start_of(path_scene, {{x, 0, plate_z - 1e-4}, {0, 0, 1}});
+    PathCounts counts;
+    for (int i = 0; i < 400; ++i) {
+      Vec3 sum;
+      mean_radiance(path_scene, start, 1024, uint64_t(i), {&sum, 1}, counts);
+      by_chance.add(sum.y * pi / reflectance_of_plate);
+    }
+    // The lamp's cosine, up to 11° off its normal, is left out of the small lamps: 1 − cos 11° = 2 % at most.
+    EXPECT_NEAR(plate.at(x, 0) / by_chance.mean(), 1, 0.02 + 3 * by_chance.standard_error() / by_chance.mean()) << x;
+  }
+}
+
+// A camera looks for caustics with a part of its paths, which count more. On first hits they find the same.
+TEST(Caustics, AreThoseOfSinglePathsInGroupsOfPaths) {
+  constexpr double radius = 80_mm, b = 70_mm, a = 60_mm;
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  scene.meshes.push_back(make_test_quad({-18_mm, 0, plate_z - 15_mm}, {0, 10_mm, 0}, {0, 0, 10_mm}));
+  scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}}};
+  const Plate plate(scene, "EDSL");
+  std::array<NumberedRay, most_together> rays;
+  for (uint32_t i = 0; i < rays.size(); ++i) rays[i] = {{{1_mm, 2_mm, plate_z - 1e-4}, {0, 0, 1}}, i};
+  LowDiscrepancy numbers(1, 0, 0);
+  numbers.start(0);
+  Vec3 sum;
+  PathCounts counts;
+  add_radiance(plate.scene(), rays, 0, numbers, {&sum, 1}, counts);
+  EXPECT_NEAR(sum.y / most_together * pi / reflectance_of_plate / plate.at(1_mm, 2_mm), 1, 1e-9);
+
+  // A card beside the plate sees the light of the mirror there. A clamp lets paths go one by one.
+  const Ray ray{{-17_mm, 0, plate_z - 10_mm}, {-1, 0, 0}};
+  Statistics together, single;
+  for (const double clamp : {0.0, 1e300}) {
+    const PathScene path_scene(scene, Lines{}, {"EDDSL"}, {.clamp = clamp});
+    const PathStart start = start_of(path_scene, ray);
+    for (int i = 0; i < 2000; ++i) {
+      mean_radiance(path_scene, start, 64, uint64_t(i), {&sum, 1}, counts);
+      (clamp > 0 ? single : together).add(sum.y);
+    }
+  }
+  EXPECT_GT(single.mean(), 0);
+  EXPECT_LT(single.standard_error(), 0.02 * single.mean());
+  EXPECT_NEAR(together.mean(), single.mean(), 3 * std::hypot(together.standard_error(), single.standard_error()));
+}
+
+// A narrow spot lights a small part of a large mirror.
+TEST(Caustics, OfNarrowSpotsAreFound) {
+  constexpr double radius = 80_mm, b = 70_mm, a = 30_mm;
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  const Vec3 lamp{0, 0, plate_z - b + a};
+  const double spread = 1 + b * (1 / a - 2 / radius), height = 2.5_mm;
+  scene.lights = {SpotLight{lamp, normalize({height, 0, -a}), {1, 1, 1}, 0.005, 0.006}};
+  // On the mirror the cone has a radius of 0.18 mm; full light 0.1 mm from its middle, none 0.3 mm from it. Off the axis by 2.6 mm
+  // spherical aberration and the angle change the light by about 3(h/R)² + (h/a)² = 1 %.
+  const Plate plate(scene, "EDSL");
+  EXPECT_NEAR(plate.at(spread * (height + 0.1_mm), 0) * std::pow(a * spread, 2), 1, 0.03);
+  EXPECT_EQ(plate.at(spread * (height + 0.3_mm), 0), 0);
+  EXPECT_EQ(plate.at(spread * (height - 0.3_mm), 0), 0);
+}
+
+TEST(Caustics, AreLookedForWhereLampsAndMirrorsNeedIt) {
+  const auto is_empty = [](const Scene& scene, const PathParams& params = {}) {
+    return PathScene(scene, Lines{}, {}, params).caustics.is_empty();
+  };
+  Scene scene = make_plate(grey(0.5));
+  scene.meshes.push_back(make_ball({0, 0, plate_z - 15_mm}, 5_mm, 20));
+  scene.lights = {PointLight{{0, 0, plate_z - 50_mm}, {1, 1, 1}}};
+  EXPECT_TRUE(is_empty(scene));  // no mirror or glass
+  scene.materials[1] = DielectricMaterial{};
+  EXPECT_FALSE(is_empty(scene));
+  EXPECT_TRUE(is_empty(scene, {.max_depth = 1}));
+  EXPECT_TRUE(is_empty(scene, {.caustic_rays = 0}));
+  scene.materials[1] = ConductorMaterial{.roughness = 0.3};
+  EXPECT_TRUE(is_empty(scene));  // paths find light by rough metal
+  scene.materials[1] = DielectricMaterial{};
+  scene.lights = {RectangleLight{{0, 0, plate_z - 50_mm}, {1_mm, 0, 0}, {0, 1_mm, 0}, {1, 1, 1}}};
+  EXPECT_TRUE(is_empty(scene));  // paths meet the lamp
+}
+
+/// Brightness of laser light that leaves the plate's lower side at a place.
+double laser_light(const Scene& scene, const std::string& group, double x, double y) {
+  const PathScene path_scene(scene, make_lines(green_light, green_light, green_light), {group}, {});
+  Phasors u{};
+  PathCounts counts;
+  laser_phasors(path_scene, start_of(path_scene, {{x, y, plate_z - 1e-4}, {0, 0, 1}}), 4, 0, {&u, 1}, counts);
+  return std::norm(u[1]);
+}
+
+/// A closed prism along y whose section in x and z is a polygon, counter-clockwise as seen from −y.
+Mesh make_prism(const std::vector<Vec2>& section, double half_length) {
+  Mesh mesh;
+  mesh.name = "prism";
+  mesh.material = 1;
+  const auto count = uint32_t(section.size());
+  for (const double y : {-half_length, half_length})
+    for (const Vec2 p : section) mesh.positions.push_back({p.x, y, p.y});
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t j = (i + 1) % count;
+    mesh.triangles.push_back({i, j + count, j});
+    mesh.triangles.push_back({i, i + count, j + count});
+  }
+  for (uint32_t i = 2; i < count; ++i) {
+    mesh.triangles.push_back({0, i - 1, i});
+    mesh.triangles.push_back({count, count + i, count + i - 1});
+  }
+  return mesh;
+}
+
+// Fresnel's biprism of the angle α and the index n bends the light of a laser at the distance a by (n − 1)·α to both sides. At the
+// distance b behind it fringes have the period λ(a + b)/(2a(n − 1)α): 159.6 µm.
+TEST(Caustics, FresnelsBiprismMakesItsFringes) {
+  constexpr double a = 50_mm, b = 100_mm, angle = 0.01, n = 1.5, half = 5_mm, edge = 20e-6;
+  constexpr double period = green_light * (a + b) / (2 * a * (n - 1) * angle);
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(n)});
+  const double base = plate_z - b;
+  scene.meshes.push_back(make_prism(
+      {{-half, base}, {half, base}, {half, base + edge}, {0, base + edge + angle * half}, {-half, base + edge}}, 5_mm));
+  scene.lights = {PointLight{{0, 0, base - a}, {1, 1, 1}, true}};
+  const double brightest = laser_light(scene, "EDSSL", 0, 0.1_mm);
+  // Two waves of 1/(a + b)², transmitted by 0.96 at both faces; the glass of 70 µm changes the distance by 2e-4.
+  EXPECT_NEAR(brightest * pi / reflectance_of_plate * std::pow(a + b, 2) / (4 * 0.96 * 0.96), 1, 2e-3);
+  for (int k = -10; k <= 10; ++k) {
+    const double x = k * 40e-6;
+    // Small angles: sines differ from α by α²/6, and the place of the bend by 70 µm from the distance a, 1.4e-3 of the
+    // period; at 2.5 periods that is 0.02 rad.
+    EXPECT_NEAR(laser_light(scene, "EDSSL", x, 0.1_mm) / brightest, std::pow(std::cos(pi * x / period), 2), 0.02) << x;
+  }
+}
+
+// On the axis of a concave mirror the light of a laser meets the light that it sends to the mirror: the ways differ by 2a. Behind the
+// mirror's image of the laser the phase is less by π (two focal lines; Born and Wolf, 8.8.4).
+TEST(Caustics, PhasesJumpAtAFocus) {
+  constexpr double radius = 80_mm, a = 60_mm;  // the image lies at 120 mm
+  for (const auto& [b, jump] : {std::pair{100_mm, 0.0}, {150_mm, pi}}) {
+    Scene scene = make_plate(ideal_mirror());
+    scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+    scene.lights = {PointLight{{0, 0, plate_z - b + a}, {1, 1, 1}, true}};
+    const double spread = 1 + b * (1 / a - 2 / radius);
+    const auto straight = std::polar(1 / (b - a), 2 * pi * std::fmod((b - a) / green_light, 1.0)),
+               reflected = std::polar(1 / std::abs(a * spread), 2 * pi * std::fmod((b + a) / green_light, 1.0) - jump);
+    // 20 nm off the axis, so that the ray meets no edge: the facets slope by 2 mrad, which changes the ways by 1e-10 m.
+    const double found = laser_light(scene, "E.*L", 0.02e-6, 0.01e-6) * pi / reflectance_of_plate;
+    EXPECT_NEAR(found / std::norm(straight + reflected), 1, 2e-3) << b;
+  }
+}
+
+}  // namespace
+}  // namespace holotrace
