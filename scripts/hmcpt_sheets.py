@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Lays out what scripts/figures made of path-traced holograms: six contact sheets, a table and the README's picture.
+"""Lays out what scripts/figures made of path-traced holograms: seven contact sheets, a table and the README's picture.
 
 Usage: scripts/hmcpt_sheets.py DIR [--docs]
 
-DIR holds the folders chess_glossy, cornell_box, cornell_layers, glass_and_mirror, oblique_mirror,
+DIR holds the folders chess_glossy, cornell_box, cornell_layers, glass_and_mirror, oblique_mirror, caustics,
 chess_frames and parallax.
 """
 import pathlib
@@ -95,6 +95,13 @@ def astigmatism_sheet(output):
                    "focal lines.", rows)
 
 
+def caustics_sheet(output):
+    size, folder = (720, 405), output / "caustics"
+    return lay_out("Caustics of a small lamp", "A glass ball and a ring of polished metal in the light of a point.",
+                   [[("render, the panel as lens", developed(folder / "render.png", size, channel=1)),
+                     ("view of the hologram at 300 mm", developed(folder / "view.png", size))]])
+
+
 def parallax_sheet(output):
     size, folder = (474, 474), output / "parallax"
     names = {-3: "eye at the left, x = −3 mm", 0: "eye in the middle", 3: "eye at the right, x = 3 mm"}
@@ -173,7 +180,8 @@ def renew_docs(output, sheets, table):
 def main():
     output = pathlib.Path(sys.argv[1])
     sheets = {"hmcpt_colour": colour_sheet(output), "hmcpt_layers": layers_sheet(output),
-              "hmcpt_focus": focus_sheet(output), "hmcpt_astigmatism": astigmatism_sheet(output), "hmcpt_parallax": parallax_sheet(output),
+              "hmcpt_focus": focus_sheet(output), "hmcpt_astigmatism": astigmatism_sheet(output),
+              "hmcpt_caustics": caustics_sheet(output), "hmcpt_parallax": parallax_sheet(output),
               "hmcpt_frames": frames_sheet(output)}
     save_sheets(output, sheets)
     readme_picture(output).save(output / "chess_colour.png", optimize=True)

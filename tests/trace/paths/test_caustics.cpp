@@ -3,6 +3,7 @@
 #include <complex>
 #include <functional>
 
+#include "holotrace/base/random.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/caustics.h"
 #include "trace/follow.h"
@@ -85,6 +86,18 @@ class Plate {
     return sum * std::pow(2 * half / n, 2);
   }
 
+  /// The same by a random place in each of the n × n squares: caustics have singular lines, which regular places miss.
+  double power_by_chance(double half, int n) const {
+    CounterRandom random(1, 0, 0);
+    double sum = 0;
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const double u = i + random.uniform(), v = j + random.uniform();
+        sum += at(half * (2 * u / n - 1), half * (2 * v / n - 1));
+      }
+    return sum * std::pow(2 * half / n, 2);
+  }
+
   const PathScene& scene() const { return path_scene_; }
 
  private:
@@ -157,6 +170,86 @@ TEST(Caustics, OfAGlassBallKeepThePower) {
     }
     EXPECT_NEAR(power / expected, 1, 5e-3) << disc;
   }
+}
+
+/// A tube that stands on the plate, and a lamp below it, off its axis. Places are relative to the plate's middle.
+struct Tube {
+  static constexpr double radius = 10_mm, from = 12_mm, gap = 0.05_mm;
+  static constexpr Vec3 lamp{4_mm, 1_mm, -14_mm};
+};
+
+Scene make_tube_on_plate() {
+  constexpr double radius = Tube::radius;
+  Scene scene = make_plate(ideal_mirror());
+  Mesh tube;
+  tube.name = "tube";
+  tube.material = 1;
+  constexpr uint32_t columns = 360;
+  for (uint32_t i = 0; i < columns; ++i)
+    for (const double z : {-Tube::from, -Tube::gap}) {
+      const Vec3 out{std::cos(2 * pi * i / columns), std::sin(2 * pi * i / columns), 0};
+      tube.positions.push_back(out * radius + Vec3{0, 0, plate_z + z});
+      tube.normals.push_back(-out);
+    }
+  for (uint32_t i = 0; i < columns; ++i) {
+    const uint32_t a = 2 * i, b = 2 * ((i + 1) % columns);
+    tube.triangles.push_back({a, a + 1, b + 1});
+    tube.triangles.push_back({a, b + 1, b});
+  }
+  scene.meshes.push_back(tube);
+  scene.lights = {PointLight{Tube::lamp + Vec3{0, 0, plate_z}, {1, 1, 1}}};
+  return scene;
+}
+
+// The light that a tube reflects once and twice, by rays that the test follows on the true tube.
+TEST(Caustics, OfATubeHaveThePowerOfTracedRays) {
+  constexpr double radius = Tube::radius, half = 6_mm;
+  const Scene scene = make_tube_on_plate();
+  std::array<double, 3> expected{};  // after 0, 1 and 2 reflections
+  constexpr int rays = 4'000'000;
+  CounterRandom random(2, 0, 0);
+  for (int i = 0; i < rays; ++i) {
+    const double cosine = random.uniform(), angle = 2 * pi * random.uniform(), sine = std::sqrt(1 - cosine * cosine);
+    Vec3 place = Tube::lamp, d{sine * std::cos(angle), sine * std::sin(angle), cosine};
+    for (size_t met = 0; met < expected.size(); ++met) {
+      // |place + t·d| = R across the axis.
+      const double a = d.x * d.x + d.y * d.y, b = place.x * d.x + place.y * d.y,
+                   c = place.x * place.x + place.y * place.y - radius * radius;
+      const double t = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a, to_plate = -place.z / d.z;
+      if (to_plate < t) {
+        const Vec3 end = place + d * to_plate;
+        if (std::abs(end.x) < half && std::abs(end.y) < half) expected[met] += 2 * pi / rays;
+        break;
+      }
+      place += d * t;
+      if (place.z < -Tube::from) break;
+      const Vec3 normal = Vec3{place.x, place.y, 0} / radius;
+      d = d - normal * (2 * dot(d, normal));
+    }
+  }
+  // 16,000 places and 100,000 rays or more; the light of places near the caustic's line varies without bound.
+  EXPECT_NEAR(Plate(scene, "EDSL").power_by_chance(half, 128) / expected[1], 1, 0.01);
+  EXPECT_NEAR(Plate(scene, "EDSSL").power_by_chance(half, 128) / expected[2], 1, 0.02);
+}
+
+// In a circle, a place sees a lamp by one reflection in two or four points (Alhazen's problem). Images come and go in pairs.
+TEST(Caustics, ShowImagesInATubeInPairs) {
+  const Scene tube = make_tube_on_plate();
+  const PathScene scene(tube, Lines{}, {}, {});
+  CounterRandom random(3, 0, 0);
+  PathCounts counts;
+  constexpr int places = 20000;
+  int with_two = 0, with_four = 0;
+  for (int i = 0; i < places; ++i) {
+    const double x = (2 * random.uniform() - 1) * 6_mm, y = (2 * random.uniform() - 1) * 6_mm;
+    const PathStart start = start_of(scene, {{x, y, plate_z - 1e-5}, {0, 0, 1}});
+    const size_t images = caustic_light(scene, start.point, 0, 1, false, counts).size();
+    with_two += images == 2;
+    with_four += images == 4;
+  }
+  EXPECT_GT(with_four, places / 20);
+  // Where two images merge, on the line of the caustic, one of them may be lost or found twice.
+  EXPECT_LE(places - with_two - with_four, places / 2000);
 }
 
 // Parallel light leaves a concave mirror with the curvature −2/R; a beam of a finite radius ends at its edge.

@@ -265,7 +265,7 @@ class Cells {
     } else {
       const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
       for (const auto& [to, u, v] : {std::array{x, y, z}, {y, z, x}, {z, x, y}})
-        for (const double side : {-1.0, 1.0}) split({to * side, u, v}, targets, 0);
+        for (const double side : {-1.0, 1.0}) split({to * side, u * side, v}, targets, 0);
     }
   }
 

@@ -108,8 +108,8 @@ class DirectLight {
     return taken;
   }
 
-  /// The sum of `add` with weight 1 over paths on surfaces of their own. Caustics are found for every fourth path only, and count
-  /// fourfold; for every eighth where the surfaces are first hits of a pixel.
+  /// The sum of `add` with weight 1 over paths on surfaces of their own. Caustics are found for every fourth of the paths and
+  /// count for all of them; for every eighth where the surfaces are first hits of a pixel.
   /// @param state, depth, aim  of all of them, as of PathVertex
   /// @param dimension          of the numbers, the first that the lights take; the numbers are at a path of the block
   /// @return                   number of dimensions that `add` takes of each path
@@ -119,9 +119,11 @@ class DirectLight {
     const DiffuseSurfaces& surfaces = paths.surfaces;
     const bool are_near = depth == 1;  // first hits of a pixel
     int taken = 0;
-    const uint32_t every = are_near ? 8 : 4;
-    uint32_t first = 0;
-    if (!scene_.caustics.is_empty()) first = numbers.of_block(dimension + taken++).x[paths.number[0]] % every;
+    // Places in the row of paths, from a random one on: every path is chosen with the same probability.
+    const auto count = size_t(paths.surfaces.count), every = size_t(are_near ? 8 : 4);
+    const double apart = double(count) / double((count + every - 1) / every);
+    double first = 0;
+    if (!scene_.caustics.is_empty()) first = apart * 0x1p-32 * numbers.of_block(dimension + taken++).x[paths.number[0]];
     for_each_light(depth, [&](const SampledLight& light, const auto& sample) {
       LowDiscrepancy::Block places;
       if (light.is_shared) places = numbers.of_block(dimension + taken++);
@@ -130,7 +132,8 @@ class DirectLight {
         return light.is_shared ? Vec2{places.x[path] * 0x1p-32, places.y[path] * 0x1p-32} : Vec2{};
       };
       if (fits_lanes(light)) return add_lanes(paths, light, place_of, are_near);
-      for (size_t i = 0; i < size_t(surfaces.count); ++i) {
+      double chosen = first;
+      for (size_t i = 0; i < count; ++i) {
         SurfacePoint point;
         point.position = surfaces.position[i];
         point.normal = surfaces.normal[i];
@@ -141,7 +144,9 @@ class DirectLight {
         const LightSample way = sample(point.position, place_of(i));
         if (!light.is_shared) {
           add_unmet(bsdf, at, light, way, 1);
-          if (i % every == first) add_caustics(bsdf, at, light, every);
+          if (i != size_t(chosen)) continue;
+          add_caustics(bsdf, at, light, apart);
+          chosen += apart;
         } else if (const auto reflected = reflect(bsdf, at, way, true, 1)) {
           add_if_visible(at, way, light, *reflected);
         }

@@ -61,7 +61,7 @@ struct PathStart {
 /// background and all light that arrives by a specular branch or at the first hit, is only met by the path (w = 1).
 ///
 /// Thin panes do not hide sampled lights: each transmits 1 − 2R/(1 + R) of their light straight on, and counts as a
-/// surface and an S of the path. Solid glass hides them.
+/// surface and an S of the path. Points, spots and parallel light also arrive by mirrors and solid glass (caustics.h).
 ///
 /// With PathParams::asks_at_end, lights are sampled only at the surface at which roulette ends the path (the paper's
 /// Steps 3 and 4), and their light is divided by the probability of that end. The mean is the same, with fewer shadow
@@ -75,7 +75,7 @@ struct PathStart {
 /// Clamp: the light that all path groups together receive from the path, each light counted once, is limited to `clamp`
 /// at each line, and the sums shrink in proportion.
 ///
-/// Cost: per surface one ray, and one shadow ray for each light that may reach it.
+/// Cost: per surface one ray, and one shadow ray for each light that may reach it; where a caustic may lie, 10 to 20 µs more.
 ///
 /// @param numbers  the path's own sequence, started
 /// @param sums     PathScene::sums() of them
