@@ -231,8 +231,8 @@ class Sources(Noun):
     wavelength : length
     second_foci, focal_lines : arrays of the shape (n, 3)
         Of astigmatic waves, which leave two focal lines: a place of the second one [m], and the unit vector along the first one,
-        which goes through the position, at right angles to the way from there to the second focus. A vector of 0 leaves a wave
-        spherical.
+        which goes through the position, at right angles to the way from there to the second focus. Waves whose focal line
+        is 0 are spherical.
     """
 
     __slots__ = ()

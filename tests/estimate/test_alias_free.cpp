@@ -29,7 +29,8 @@ TEST(AliasFree, APointLightsWhatItsBoxCovers) {
   EXPECT_EQ(reach_of({radius + sx + little, 0, -z}, panel, 532_nm), Reach::nothing);
   EXPECT_EQ(reach_of({0, -(radius - sy - little), -z}, panel, 532_nm), Reach::whole_panel);
   EXPECT_EQ(reach_of({0, -(radius + sy + little), -z}, panel, 532_nm), Reach::nothing);
-  EXPECT_EQ(reach_of({0, 0, 0.1}, panel, 532_nm), Reach::nothing) << "before the panel";
+  EXPECT_EQ(reach_of({0, 0, 0}, panel, 532_nm), Reach::nothing) << "on the panel";
+  EXPECT_EQ(reach_of({radius - sx - little, 0, z}, panel, 532_nm), Reach::whole_panel) << "in front of it";
   // From whole_panel_distance on, some points light the whole panel.
   const double nearest = limits(panel, 532_nm, 1).whole_panel_distance;
   EXPECT_EQ(reach_of({0, 0, -nearest * 1.001}, panel, 532_nm), Reach::whole_panel);

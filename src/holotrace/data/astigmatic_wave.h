@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/sources.h"
@@ -39,59 +41,95 @@ class AstigmaticWave {
   struct At {
     double path = 0;     ///< s + D [m]
     double modulus = 0;  ///< √|z₁z₂κ₁κ₂|: the amplitude over a
+    Vec3 direction;      ///< unit direction of travel, the gradient of the path
   };
   At at(Vec3 place) const {
     const Vec3 from = place - origin_;
-    const double y = dot(from, second_.line), rho = side1_ * length(from - second_.line * y), beyond = rho - apart_;
-    const double s = side2_ * std::hypot(beyond, y);
-    return {s + apart_, std::sqrt(depths_ * std::abs(beyond / rho)) / std::abs(s)};
+    const double y = dot(from, second_.line);
+    const Vec3 across = from - second_.line * y;
+    const double rho = side1_ * away_from_0(length(across)), beyond = rho - apart_;
+    const double s = side2_ * away_from_0(std::hypot(beyond, y));
+    return {s + apart_, std::sqrt(depths_ * std::abs(beyond / rho)) / std::abs(s),
+            (across * (beyond / rho) + second_.line * y) / s};
   }
 
   /// How its path changes there.
   struct Slopes {
-    Vec3 direction;                 ///< unit direction of travel, the gradient of the path
-    double xx = 0, xy = 0, yy = 0;  ///< second derivatives of the path along the panel's axes [1/m]
+    double x = 0, y = 0;            ///< first derivatives of the path along the panel's axes: sines of the direction
+    double xx = 0, xy = 0, yy = 0;  ///< second derivatives [1/m]
   };
   Slopes slopes(Vec3 place) const {
     const Vec3 from = place - origin_;
     const double y = dot(from, second_.line);
     const Vec3 across = from - second_.line * y;
-    const double rho = side1_ * length(across), beyond = rho - apart_, s = side2_ * std::hypot(beyond, y);
+    const double rho = side1_ * away_from_0(length(across)), beyond = rho - apart_;
+    const double s = side2_ * away_from_0(std::hypot(beyond, y));
     // κ₁ curves the wavefront in the plane of the ray and the straight line, κ₂ around that line.
-    const Vec3 outward = across / rho, around = cross(second_.line, outward),
-               along = (outward * y - second_.line * beyond) / s;
+    const Vec3 outward = across / rho, around = cross(second_.line, outward);
+    const Vec3 along = (outward * y - second_.line * beyond) / s, direction = (outward * beyond + second_.line * y) / s;
     const double k1 = 1 / s, k2 = beyond / (rho * s);
-    return {(outward * beyond + second_.line * y) / s, k1 * along.x * along.x + k2 * around.x * around.x,
+    return {direction.x, direction.y, k1 * along.x * along.x + k2 * around.x * around.x,
             k1 * along.x * along.y + k2 * around.x * around.y, k1 * along.y * along.y + k2 * around.y * around.y};
   }
 
-  /// The part of the panel's plane that it lights, up to `reach_x` and `reach_y` from the place where it goes straight through [m].
+  /// The part of the panel's plane that it lights within an acceptance tangent T: a parallelogram around the place where it goes
+  /// straight through, in which its slopes, linear from there on, are at most T along x and along y.
   struct Lit {
-    Vec3 foot;
-    double reach_x = 0, reach_y = 0;
-    bool contains(Vec3 p) const { return std::abs(p.x - foot.x) <= reach_x && std::abs(p.y - foot.y) <= reach_y; }
-  };
+    Vec3 foot;  ///< [m]
+    double reach_x = 0,
+           reach_y = 0;  ///< largest distance from there along the axes [m]; infinite: unknown, or everywhere
+    Slopes slopes;       ///< at the foot
+    double tangent = 0;
 
-  /// Where its slopes along x and along y stay below the tangent, as those of spherical waves in their boxes do. A second
-  /// derivative in both axes counts if it is greater than that in one.
+    /// The parts of lines along x and along y, at `y` and `x` from the foot: from and to, from the foot on [m]; from > to: none.
+    std::pair<double, double> along_x(double y) const {
+      return intersect(within(slopes.xy * y, slopes.xx, tangent), within(slopes.yy * y, slopes.xy, tangent));
+    }
+    std::pair<double, double> along_y(double x) const {
+      return intersect(within(slopes.xx * x, slopes.xy, tangent), within(slopes.xy * x, slopes.yy, tangent));
+    }
+  };
   Lit lit(double tangent) const {
-    const Vec3 place = foot();
-    const Slopes here = slopes(place);
-    const auto reach = [&](double along) { return tangent / std::max(std::abs(along), std::abs(here.xy)); };
-    return {place, reach(here.xx), reach(here.yy)};
+    const auto [place, here] = foot();
+    const double determinant = std::abs(here.xx * here.yy - here.xy * here.xy);
+    const auto reach = [&](double other) {
+      const double far = tangent * (std::abs(other) + std::abs(here.xy)) / determinant;
+      return far >= 0 ? far : std::numeric_limits<double>::infinity();
+    };
+    return {place, reach(here.yy), reach(here.xx), here, tangent};
+  }
+
+  /// Where |at_0 + slope·u| is at most a limit.
+  static std::pair<double, double> within(double at_0, double slope, double limit) {
+    constexpr double everywhere = std::numeric_limits<double>::infinity();
+    if (slope == 0 || !std::isfinite(limit))
+      return std::abs(at_0) <= limit ? std::pair{-everywhere, everywhere} : std::pair{everywhere, -everywhere};
+    const double one = (-limit - at_0) / slope, other = (limit - at_0) / slope;
+    return std::minmax(one, other);
+  }
+  static std::pair<double, double> intersect(std::pair<double, double> a, std::pair<double, double> b) {
+    return {std::max(a.first, b.first), std::min(a.second, b.second)};
   }
 
  private:
-  Vec3 foot() const {
-    Vec3 place = origin_ - way_ * (origin_.z / way_.z);  // of the middle ray
-    for (int step = 0; step < 4; ++step) {               // Newton's method, on both slopes
-      const Slopes here = slopes(place);
+  /// A focal line on the panel would divide by 0: it counts as 1 µm away, in the middle of a pixel.
+  static double away_from_0(double distance) { return std::max(distance, 1e-6); }
+
+  /// Where it goes straight through the plane z = 0, and its slopes there: by Newton's method on both, from the middle ray on.
+  std::pair<Vec3, Slopes> foot() const {
+    const Vec3 start = origin_ - way_ * (origin_.z / way_.z);
+    Vec3 place = start;
+    Slopes here = slopes(place);
+    for (int step = 0; step < 8; ++step) {
       const double determinant = here.xx * here.yy - here.xy * here.xy;
-      if (determinant == 0) break;
-      place.x -= (here.yy * here.direction.x - here.xy * here.direction.y) / determinant;
-      place.y -= (here.xx * here.direction.y - here.xy * here.direction.x) / determinant;
+      const Vec3 next =
+          place - Vec3{here.yy * here.x - here.xy * here.y, here.xx * here.y - here.xy * here.x, 0} / determinant;
+      if (!is_finite(next)) break;
+      place = next;
+      here = slopes(place);
     }
-    return place;
+    // Where the method fails, the slopes are taken for 0: the wave lights the whole panel.
+    return std::hypot(here.x, here.y) < 1e-6 ? std::pair{place, here} : std::pair{start, Slopes{}};
   }
 
   Vec3 origin_;

@@ -96,9 +96,8 @@ void check_sources(const Sources& sources) {
 void check_sources_behind(const Sources& sources) {
   check_sources(sources);
   for (size_t j = 0; j < sources.waves.size(); ++j)
-    if (!(sources.waves[j].origin.z < 0) &&
-        (sources.second_foci.empty() ||
-         !sources.second_foci[j].is_astigmatic()))  // the length is formatted only then: there may be a million sources
+    // The length is formatted only then: there may be a million sources.
+    if (!(sources.waves[j].origin.z < 0) && !is_astigmatic(sources, j))
       fail("expected source {} behind the panel (z < 0), got z = {}; synthesize sums waves from both sides", j,
            format_length(sources.waves[j].origin.z));
 }

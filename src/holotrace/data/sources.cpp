@@ -1,5 +1,6 @@
 #include "holotrace/data/sources.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -27,11 +28,16 @@ namespace {
 enum class Kind { behind, in_front, astigmatic };
 
 Kind kind_of(const Sources& sources, size_t i) {
-  if (!sources.second_foci.empty() && sources.second_foci[i].is_astigmatic()) return Kind::astigmatic;
+  if (is_astigmatic(sources, i)) return Kind::astigmatic;
   return sources.waves[i].origin.z > 0 ? Kind::in_front : Kind::behind;
 }
 
 }  // namespace
+
+bool has_astigmatic(const Sources& sources) {
+  return std::any_of(sources.second_foci.begin(), sources.second_foci.end(),
+                     [](const SecondFocus& focus) { return focus.is_astigmatic(); });
+}
 
 bool are_from_behind(const Sources& sources) {
   for (size_t i = 0; i < sources.waves.size(); ++i)
@@ -64,7 +70,7 @@ SourceKinds kinds_of(const Sources& sources) {
     const Kind kind = kind_of(sources, i);
     if (kind == Kind::astigmatic) {
       const double difference = 1 / sources.second_foci[i].place.z - 1 / sources.waves[i].origin.z;
-      astigmatic[std::ilogb(difference) / 3].push_back(i);  // alike within a factor of 8
+      astigmatic[int(std::floor(std::ilogb(difference) / 3.0))].push_back(i);  // alike within a factor of 8
     } else {
       (kind == Kind::behind ? behind : in_front).push_back(i);
     }

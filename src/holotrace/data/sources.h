@@ -73,7 +73,8 @@ void set_frame(Sources& sources, uint32_t frame);
 ///         and the numbers of tile amplitudes and phase keys match the number of waves.
 void check_sources(const Sources& sources);
 
-/// @throws Error as check_sources does, and for the first spherical wave that is not behind the panel
+/// @throws Error as check_sources does, and for the first spherical wave that is not behind the panel; astigmatic ones may be
+///         anywhere
 void check_sources_behind(const Sources& sources);
 
 /// Waves by the ways in which they are summed. Spherical ones from in front of the panel are mirrored: a wave that converges to
@@ -84,6 +85,12 @@ struct SourceKinds {
       astigmatic;  ///< in groups of like differences of their curvatures, because these decide how they are summed
 };
 SourceKinds kinds_of(const Sources& sources);
+
+/// Whether wave i is astigmatic; whether any wave is.
+inline bool is_astigmatic(const Sources& sources, size_t i) {
+  return !sources.second_foci.empty() && sources.second_foci[i].is_astigmatic();
+}
+bool has_astigmatic(const Sources& sources);
 
 /// Whether all waves are spherical and from behind the panel.
 bool are_from_behind(const Sources& sources);

@@ -19,9 +19,11 @@ void set_frame(Triangles& triangles, uint32_t frame) {
 }
 
 TriangleSides sides_of(const Triangles& triangles) {
-  Triangles none = triangles;
-  none.triangles.clear();
-  none.phase_keys.clear();
+  const Triangles none{.wavelength = triangles.wavelength,
+                       .name = triangles.name,
+                       .seed = triangles.seed,
+                       .frame = triangles.frame,
+                       .cone_wavelength = triangles.cone_wavelength};
   TriangleSides sides{none, none};
   for (const Triangle& t : triangles.triangles) {
     if (t.corners[0].z < 0) {

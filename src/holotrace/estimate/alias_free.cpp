@@ -43,8 +43,8 @@ Series segment(const std::string& name, double z, double half) {
 }  // namespace
 
 Reach reach_of(Vec3 point, const Grid& panel, double wavelength) {
-  if (!(point.z < 0)) return Reach::nothing;
-  const double radius = box_radius(-point.z, wavelength, panel.pitch);
+  if (point.z == 0) return Reach::nothing;
+  const double radius = box_radius(std::abs(point.z), wavelength, panel.pitch);
   const double x = std::abs(point.x - panel.centre_x), y = std::abs(point.y - panel.centre_y);
   const double sx = panel.width() / 2, sy = panel.height() / 2;
   if (x + sx <= radius && y + sy <= radius) return Reach::whole_panel;
@@ -52,8 +52,8 @@ Reach reach_of(Vec3 point, const Grid& panel, double wavelength) {
 }
 
 bool is_replica_free(Vec3 point, const Grid& panel, double wavelength) {
-  if (!(point.z < 0)) return false;
-  const double half = grating_order_offset(panel.pitch, wavelength, -point.z) / 2;
+  if (point.z == 0) return false;
+  const double half = grating_order_offset(panel.pitch, wavelength, std::abs(point.z)) / 2;
   return std::abs(point.x - panel.centre_x) <= half && std::abs(point.y - panel.centre_y) <= half;
 }
 

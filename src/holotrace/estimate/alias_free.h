@@ -13,7 +13,7 @@ namespace holotrace {
 /// all pixels, some, or none.
 enum class Reach { whole_panel, part_of_panel, nothing };
 
-/// @param point  position at z < 0 [m]; a point on or in front of the panel lights nothing
+/// @param point  position on either side of the panel [m]; a point on it lights nothing
 Reach reach_of(Vec3 point, const Grid& panel, double wavelength);
 
 /// Whether a point's replicas, λd/p away, lie outside a scene centred on the axis: |x|, |y| ≤ half the order spacing.

@@ -58,10 +58,13 @@ Json describe(const Job& job) {
 
 Json describe(const Sources& sources) {
   double nearest = INFINITY, farthest = -INFINITY;  // in front of the panel < 0
-  for (const Source& s : sources.waves) {
-    nearest = std::min(nearest, -s.origin.z);
-    farthest = std::max(farthest, -s.origin.z);
-  }
+  const auto include = [&](Vec3 place) {
+    nearest = std::min(nearest, -place.z);
+    farthest = std::max(farthest, -place.z);
+  };
+  for (const Source& s : sources.waves) include(s.origin);
+  for (const SecondFocus& focus : sources.second_foci)
+    if (focus.is_astigmatic()) include(focus.place);
   Json json{{"kind", "sources"},
             {"waves", sources.waves.size()},
             {"wavelength", format_length(sources.wavelength)},

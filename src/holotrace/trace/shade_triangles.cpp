@@ -60,7 +60,6 @@ class Cutter {
     return cut(first, mesh, triangle, pieces) && cut(second, mesh, triangle, pieces);
   }
 
- private:
   // Whether the whole piece lies beyond one edge of the panel's field of view.
   bool is_outside(const Corners& c) const {
     bool is_left = true, is_right = true, is_low = true, is_high = true;
@@ -74,6 +73,7 @@ class Cutter {
     return is_left || is_right || is_low || is_high;
   }
 
+ private:
   const Grid& panel_;
   double tangent_, most_;
 };
@@ -105,6 +105,7 @@ std::vector<Piece> list_pieces(const Scene& scene, const Grid& panel, double tan
       for (size_t j = 0; j < 3; ++j) c[j] = mesh.positions[mesh.triangles[t][j]];
       const bool has_area = length(cross(c[1] - c[0], c[2] - c[0])) > 0;
       if (!has_area) continue;
+      if (cutter.is_outside(c)) continue;
       const auto [back, front] = std::minmax({c[0].z, c[1].z, c[2].z});
       if (back <= 0 && front >= 0)
         fail(
@@ -149,7 +150,7 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   const bool is_own = hit->point.mesh == piece.mesh && hit->point.triangle == piece.triangle;
   // Rounding may have found the neighbouring triangle: accept a few times the clearance along the ray.
   const double slope = std::max(1e-3, std::abs(dot(hit->point.geometric_normal, ray.direction)));
-  if (!is_own && hit->distance < distance - 4 * hit->point.clearance / slope) return std::nullopt;
+  if (!is_own && std::abs(hit->distance - distance) > 4 * hit->point.clearance / slope) return std::nullopt;
   const Material& material = material_at(s.scene.scene, hit->point);
   const PathStart start{shading_point(material, hit->point), -ray.direction, s.scene.automaton.start(), 1};
   LeafLight light;

@@ -28,18 +28,20 @@ void add_wave(const Tracing& t, TracedWaves& set, Source wave, double phase, uin
 std::optional<AstigmaticWave> astigmatic_wave(const Tracing& t, const Ray& ray, const SpecularLeaf& leaf) {
   if (!leaf.lines) return std::nullopt;
   const auto& [first, second, line] = *leaf.lines;
+  double shortest = t.widest;
+  for (const WaveSet& set : t.sets) shortest = std::min(shortest, set.wavelength);
+  // Either curvature is off by half the difference.
+  const auto is_seen = [&](double reach) {
+    return std::abs(1 / second - 1 / first) / 4 * reach * reach > shortest / 20;
+  };
+  if (!is_seen(std::hypot(t.panel.width(), t.panel.height()))) return std::nullopt;
   const Vec3 origin = ray.origin + ray.direction * first, place = ray.origin + ray.direction * second;
-  const double difference = std::abs(1 / second - 1 / first);
   if (origin.z == place.z || origin.z == 0 || place.z == 0) return std::nullopt;
   const AstigmaticWave wave(origin, {place, line});
   const auto lit = wave.lit(acceptance_tangent(t.widest, t.panel.pitch));
-  // Either curvature is off by half the difference, up to the far edges of the lit part.
   const double reach =
       std::hypot(std::min(2 * lit.reach_x, t.panel.width()), std::min(2 * lit.reach_y, t.panel.height()));
-  double shortest = t.widest;
-  for (const WaveSet& set : t.sets) shortest = std::min(shortest, set.wavelength);
-  const bool is_seen = difference / 4 * reach * reach > shortest / 20;
-  return is_seen && lit.contains(ray.origin) ? std::optional(wave) : std::nullopt;
+  return is_seen(reach) ? std::optional(wave) : std::nullopt;
 }
 
 /// The angle reduced to [0, 2π), where a float is most precise.
@@ -81,7 +83,7 @@ void add_shared(const Tracing& t, const Ray& ray, const RayWave& wave, uint64_t 
 
 /// Whether a wave's light reaches a tile within the panel's acceptance, at any of the wavelengths.
 bool is_in_reach(const Tracing& t, const PixelBox& tile, const RayWave& wave) {
-  const auto [foot, reach_x, reach_y] =
+  const auto [foot, reach_x, reach_y, slopes, tangent] =
       WaveShape{wave.origin, wave.astigmatic}.lit(acceptance_tangent(t.widest, t.panel.pitch));
   return foot.x >= t.panel.x(tile.x0) - reach_x && foot.x <= t.panel.x(tile.x1 - 1) + reach_x &&
          foot.y <= t.panel.y(tile.y0) + reach_y && foot.y >= t.panel.y(tile.y1 - 1) - reach_y;
@@ -141,6 +143,8 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
   for (RayWave& wave : waves) {
     if (wave.origin.z == 0) continue;  // a point of the panel lights no pixel
     wave.astigmatic = astigmatic_wave(t, *ray, wave.leaf);
+    if (wave.astigmatic)
+      wave.cell.image = wave.astigmatic->second().place;  // where both curvatures cancel, their mean is nowhere
     block.far_waves += wave.leaf.is_far;
     if (t.tiles.empty())
       add_shared(t, *ray, wave, sample, block);

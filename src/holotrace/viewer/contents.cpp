@@ -101,9 +101,10 @@ void add_points(const std::vector<Sources>& sets, Contents& contents) {
   size_t next = 0;
   float brightest = 0;
   for (const Sources& set : sets)
-    for (const Source& wave : set.waves)
+    for (size_t i = 0; i < set.waves.size(); ++i)
       if (next++ % step == 0) {
-        contents.points.push_back({wave.origin, wave.amplitude});
+        const Source& wave = set.waves[i];
+        contents.points.push_back({is_astigmatic(set, i) ? set.second_foci[i].place : wave.origin, wave.amplitude});
         brightest = std::max(brightest, wave.amplitude);
       }
   for (SpacePoint& point : contents.points) point.brightness = brightest > 0 ? point.brightness / brightest : 1;

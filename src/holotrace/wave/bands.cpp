@@ -88,9 +88,14 @@ double band_memory(const std::vector<Sources>& sets, const Grid& panel, const Sy
   const Approach approach = params.method == tiled ? Approach::tiled : Approach::cheapest;
   const double each = wave_bytes + host_bytes_per_wave(is_on_devices, approach) - host_bytes_per_wave(false, approach);
   double waves = 0;
-  for (const Sources& set : sets)
-    waves += double(set.waves.size()) * (each + wave_tile_bytes * set.tiles.columns * set.tiles.rows);
-  const double samples = double(panel.nx) * rows * (params.method == automatic ? 24 : 8);
+  bool has_kinds = false;  // summed one after the other, from copies
+  for (const Sources& set : sets) {
+    const bool has_more = !are_from_behind(set);
+    has_kinds = has_kinds || has_more;
+    waves += double(set.waves.size()) * ((has_more ? 2 * (sizeof(Source) + sizeof(SecondFocus)) : 0) + each +
+                                         wave_tile_bytes * set.tiles.columns * set.tiles.rows);
+  }
+  const double samples = double(panel.nx) * rows * ((params.method == automatic ? 24 : 8) + (has_kinds ? 8 : 0));
   const double strip = params.method == exact ? double(panel.nx) * exact_rows * sizeof(std::complex<double>) : 0;
   const bool may_use_planes = params.method == automatic || params.method == planes;
   const double threads = may_use_planes ? counted_threads * host_bytes_per_thread() : 0;

@@ -41,19 +41,28 @@ double error_of(const Samples& field, const Sources& sources, int pixels, uint64
           "expected a field of the sources' wavelength {} m, got one of {} m; compare a field with its own sources",
           sources.wavelength, field.wavelength);
   check_grid(field.grid);
-  check_sources_behind(sources);
+  check_sources(sources);
   const Grid& grid = field.grid;
   std::vector<Drawn> drawn = draw(sources, grid, pixels, seed);
-  for (int part = 0; part < panel_parts(sources); ++part) {
-    const std::vector<PreparedWave> waves = prepare_waves(sources, grid, part);
-    parallel_for(0, pixels, [&](int64_t p) {
-      Drawn& at = drawn[size_t(p)];
-      if (at.part != part) return;
-      for (const PreparedWave& wave : waves)
-        if (at.i >= wave.box.x0 && at.i < wave.box.x1 && at.j >= wave.box.y0 && at.j < wave.box.y1)
-          at.exact += wave_at(wave, grid.x(at.i), grid.y(at.j), sources.wavelength);
-    });
-  }
+  const auto add = [&](const Sources& kind, bool is_mirrored) {
+    for (int part = 0; part < panel_parts(kind); ++part) {
+      const std::vector<PreparedWave> waves = prepare_waves(kind, grid, part);
+      parallel_for(0, pixels, [&](int64_t p) {
+        Drawn& at = drawn[size_t(p)];
+        if (at.part != part) return;
+        std::complex<double> sum = 0;
+        for (const PreparedWave& wave : waves)
+          if (at.j >= wave.box.y0 && at.j < wave.box.y1)
+            if (const auto [from, to] = lit_columns(wave, grid, at.j); at.i >= from && at.i < to)
+              sum += wave_at(wave, grid.x(at.i), grid.y(at.j), sources.wavelength);
+        at.exact += is_mirrored ? std::conj(sum) : sum;
+      });
+    }
+  };
+  const auto [behind, mirrored, astigmatic] = kinds_of(sources);
+  add(behind, false);
+  add(mirrored, true);
+  for (const Sources& group : astigmatic) add(group, false);
   double difference = 0, energy = 0;
   for (const Drawn& at : drawn) {
     difference += std::norm(std::complex<double>(field.samples(at.j, at.i)) - at.exact);

@@ -54,10 +54,13 @@ auto sum_by_kind(const Sources& sources, const Observer& observer, const Sum& su
 /// The field of all triangles, by a sum that takes those behind the panel.
 template <class Sum>
 auto sum_by_kind(const Triangles& triangles, const Observer& observer, const Sum& sum) {
+  const bool are_behind = std::all_of(triangles.triangles.begin(), triangles.triangles.end(),
+                                      [](const Triangle& t) { return t.corners[0].z < 0; });
+  if (are_behind) return sum(triangles, observer);
   const auto [behind, mirrored] = sides_of(triangles);
   std::vector<LightOfKind<Triangles>> kinds;
-  if (!behind.triangles.empty() || mirrored.triangles.empty()) kinds.push_back({behind, false});
-  if (!mirrored.triangles.empty()) kinds.push_back({mirrored, true});
+  if (!behind.triangles.empty()) kinds.push_back({behind, false});
+  kinds.push_back({mirrored, true});
   return sum_kinds(kinds, observer, sum);
 }
 

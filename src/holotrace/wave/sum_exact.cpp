@@ -32,7 +32,8 @@ FieldDouble sum_kind(const Sources& sources, const Grid& grid, const Observer& o
           int64_t done = 0;
           for (const PreparedWave& wave : waves) {
             if (j < wave.box.y0 || j >= wave.box.y1) continue;
-            for (int i = wave.box.x0; i < wave.box.x1; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
+            const auto [from, to] = lit_columns(wave, grid, int(j));
+            for (int i = from; i < to; ++i) row[i] += wave_at(wave, grid.x(i), y, sources.wavelength);
             done += wave.box.x1 - wave.box.x0;
             if (done < often) continue;
             done = 0;

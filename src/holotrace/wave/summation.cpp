@@ -159,6 +159,8 @@ std::optional<SummedField> try_sum(const Sources& sources, const Grid& grid, dou
                                    double& reachable, const Observer& observer) {
   check_grid(grid);
   check_sources_behind(sources);
+  require(!way.device() || !has_astigmatic(sources),
+          "expected spherical waves on a device, got astigmatic ones; sum them on the cpu");
   require_memory(sizeof(std::complex<float>) * double(grid.pixels()) +
                      host_bytes_per_wave(way.device() != nullptr, way.approach) * double(sources.waves.size()) +
                      host_bytes_per_thread() * thread_count(),

@@ -54,6 +54,26 @@ void report_boxes(const Sources& sources, const Grid& grid, const Observer& obse
         format_angle(std::asin(acceptance_sine(sources.acceptance_wavelength(), grid.pitch)))));
 }
 
+// The waves with the mean of their two curvatures, on the panel in their middle ray.
+Sources as_spherical(Sources sources) {
+  for (size_t i = 0; i < sources.waves.size(); ++i) {
+    if (!is_astigmatic(sources, i)) continue;
+    Source& wave = sources.waves[i];
+    const AstigmaticWave astigmatic(wave.origin, sources.second_foci[i]);
+    const Vec3 way = normalize(sources.second_foci[i].place - wave.origin), direction = way.z > 0 ? way : -way;
+    const double first = -wave.origin.z / direction.z, second = -sources.second_foci[i].place.z / direction.z;
+    const Vec3 place = wave.origin + direction * first;
+    constexpr double farthest = 100;  // [m]
+    const double curvature = (1 / first + 1 / second) / 2;
+    const double distance = std::abs(curvature) > 1 / farthest ? 1 / curvature : farthest;
+    wave.origin = place - direction * distance;
+    wave.phase = float(wave.phase + 2 * pi * cycle_fraction(first - distance, sources.wavelength));
+    wave.amplitude = float(wave.amplitude * astigmatic.at(place).modulus / direction.z);
+  }
+  sources.second_foci.clear();
+  return sources;
+}
+
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 bool runs_on_devices(SynthesisMethod method) {
@@ -62,7 +82,7 @@ bool runs_on_devices(SynthesisMethod method) {
 
 // Only tiles suit astigmatic waves.
 Approach approach_of(const Sources& sources, SynthesisMethod method) {
-  if (method == SynthesisMethod::tiled || !sources.second_foci.empty()) return Approach::tiled;
+  if (method == SynthesisMethod::tiled || has_astigmatic(sources)) return Approach::tiled;
   return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
@@ -89,7 +109,7 @@ Device* fastest_device_for(const Sources& sources, const Grid& grid, const Synth
 // The devices that sum the waves; none: the processor does, as it does all astigmatic ones.
 std::vector<Device*> devices_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params,
                                  bool returns) {
-  if (params.device.kind == DeviceKind::cpu || !sources.second_foci.empty()) return {};
+  if (params.device.kind == DeviceKind::cpu || has_astigmatic(sources)) return {};
   if (params.device.kind == DeviceKind::automatic) {
     Device* const device = fastest_device_for(sources, grid, params, returns);
     return device ? std::vector<Device*>{device} : std::vector<Device*>();
@@ -176,7 +196,9 @@ std::string method_name(SynthesisMethod method) {
 
 DeviceChoice chosen_device(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   if (params.device.kind != DeviceKind::automatic) return params.device;
-  const Device* device = fastest_device_for(sources, grid, params, true);
+  const auto [behind, mirrored, astigmatic] = kinds_of(sources);  // the last go to no device
+  const Sources& larger = behind.waves.size() >= mirrored.waves.size() ? behind : mirrored;
+  const Device* device = larger.waves.empty() ? nullptr : fastest_device_for(larger, grid, params, true);
   return device ? DeviceChoice{DeviceKind::opencl, device->info().number} : DeviceChoice{};
 }
 
@@ -205,6 +227,11 @@ int64_t waves_pixels(const Sources& sources, const Grid& grid) {
 
 Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParams& params, const Observer& observer) {
   check_sources(sources);
+  if (params.method == SynthesisMethod::layers && has_astigmatic(sources)) {
+    observer.warn(
+        "the method layers shows astigmatic waves of curved mirrors and glass as spherical ones; use auto for both focal lines");
+    return synthesize(as_spherical(sources), grid, params, observer);
+  }
   return sum_by_kind(sources, observer, [&](const Sources& kind, const Observer& of_kind) {
     return sum_where_chosen(kind, grid, params, {}, of_kind).field;
   });

@@ -321,7 +321,9 @@ TEST(Specular, AstigmaticSourcesCarryTheLightOfTheirRays) {
       for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 16; ++x) {
           const Vec3 place{panel.x(8 * x + 3.5), panel.y(8 * y + 3.5), 0};
-          if (lit.contains(place)) mean += std::pow(shape.modulus(place), 2) / 256;
+          if (const auto [from, to] = lit.along_y(place.x - lit.foot.x);
+              from <= place.y - lit.foot.y && place.y - lit.foot.y <= to)
+            mean += std::pow(shape.modulus(place), 2) / 256;
         }
       power += std::pow(sources.waves[i].amplitude, 2) * mean;
     }

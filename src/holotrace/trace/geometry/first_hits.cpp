@@ -102,8 +102,8 @@ std::optional<Ray> FirstHits::random_ray(int64_t index, CounterRandom& random) c
 
 AstigmaticWave::Lit WaveShape::lit(double tangent) const {
   if (astigmatic) return astigmatic->lit(tangent);
-  const double radius = std::abs(origin.z) * tangent;
-  return {{origin.x, origin.y, 0}, radius, radius};
+  const double depth = std::abs(origin.z), radius = depth * tangent;
+  return {{origin.x, origin.y, 0}, radius, radius, {.xx = 1 / depth, .yy = 1 / depth}, tangent};
 }
 
 double WaveShape::modulus(Vec3 place) const {
@@ -132,7 +132,8 @@ double FirstHits::squared_amplitude(const Ray& ray, const WaveShape& shape, doub
 
 /// Power of a wave of unit amplitude on a part of the panel, inside its box [m²].
 double FirstHits::power_on(const WaveShape& shape, double wavelength, const PixelBox& part) const {
-  const auto [foot, reach_x, reach_y] = shape.lit(acceptance_tangent(wavelength, panel_.pitch));
+  const AstigmaticWave::Lit lit = shape.lit(acceptance_tangent(wavelength, panel_.pitch));
+  const auto& [foot, reach_x, reach_y, slopes, tangent] = lit;
   const double edge = panel_.pitch / 2;
   const double x0 = std::max(panel_.x(part.x0) - edge - foot.x, -reach_x);
   const double x1 = std::min(panel_.x(part.x1 - 1) + edge - foot.x, reach_x);
@@ -141,7 +142,9 @@ double FirstHits::power_on(const WaveShape& shape, double wavelength, const Pixe
   if (!(x1 > x0 && y1 > y0)) return 0;
   if (!shape.astigmatic) return wave_power(std::abs(shape.origin.z), x0, x1, y0, y1);
   return integrate(x0, x1, [&](double x) {
-    return integrate(y0, y1, [&](double y) { return std::pow(shape.modulus({foot.x + x, foot.y + y, 0}), 2); });
+    const auto [from, to] = AstigmaticWave::intersect(lit.along_y(x), {y0, y1});
+    if (!(to > from)) return 0.0;
+    return integrate(from, to, [&](double y) { return std::pow(shape.modulus({foot.x + x, foot.y + y, 0}), 2); });
   });
 }
 

@@ -58,7 +58,7 @@ FocalLines lines_of(const Curvature& c) {
   const Vec3 greater = c.x * std::cos(angle) + c.y * std::sin(angle),
              less = c.y * std::cos(angle) - c.x * std::sin(angle);
   const auto distance = [](double curvature) {
-    return std::abs(curvature) > 1 / farthest_origin ? 1 / curvature : farthest_origin;
+    return std::abs(curvature) > 1 / farthest_line ? 1 / curvature : farthest_line;
   };
   const double of_greater = distance(mean + difference), of_less = distance(mean - difference);
   if (std::abs(of_less) >= std::abs(of_greater)) return {of_less, of_greater, greater};

@@ -16,7 +16,7 @@ namespace holotrace {
 enum class LeafKind { surface, glow, light, beyond };
 
 /// The focal lines of a wavefront with two curvatures, on a ray from the panel. Distances are from the ray's origin along it [m];
-/// < 0: the light converges. Curvatures below 1/farthest_origin count as that.
+/// < 0: the light converges. A line is at most farthest_line away.
 struct FocalLines {
   double first = 0, second = 0;  ///< |first| ≥ |second|
   Vec3 line;                     ///< unit vector along the first one, at right angles to the ray and the second one
@@ -40,6 +40,9 @@ struct SpecularLeaf {
 /// Distance used for waves that are parallel or nearly parallel at the panel [m]. At 100 m the sag left over 10 mm is
 /// 10⁻⁶ m, two waves.
 inline constexpr double farthest_origin = 100;
+
+/// Largest distance of a focal line [m]: its sag over 10 mm is 5·10⁻¹⁰ m, a thousandth of a wave.
+inline constexpr double farthest_line = 1e5;
 
 /// What a ray from the panel finds behind mirrors and glass. It follows the whole tree of their reflections and
 /// refractions, without random choice, down to the first surfaces that scatter. A smooth coat over a diffuse base

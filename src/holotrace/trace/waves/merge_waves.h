@@ -21,7 +21,8 @@ struct WaveCell {
   /// shares its phase with no other.
   uint64_t key = alone;
   double off_centre = 0;  ///< distance of the surface point from the middle of the cell [m]
-  Vec3 image;             ///< place where the cell is seen: the origin of the wave, by the mean of its curvatures [m]
+  Vec3
+      image;  ///< place where the cell is seen: the origin of a spherical wave, the second focus of an astigmatic one [m]
 
   static constexpr uint64_t alone = ~uint64_t(0);
 };

@@ -160,7 +160,7 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     leaf.start.outgoing = normalize(way);
   } else {
     const Vec3 way = wave.origin - place;
-    const Vec3 back = wave.astigmatic ? -wave.astigmatic->slopes(place).direction : normalize(way.z < 0 ? way : -way);
+    const Vec3 back = wave.astigmatic ? -wave.astigmatic->at(place).direction : normalize(way.z < 0 ? way : -way);
     const Ray ray = scene.accelerator.from_viewer({place, back});
     auto found = follow_like(scene, ray, model, counts);
     if (!found || !shows_the_same(scene, *found, model, ray)) return std::nullopt;

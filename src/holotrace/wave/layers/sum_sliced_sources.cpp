@@ -37,8 +37,7 @@ struct Plan {
 void check_input(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   check_grid(grid);
   check_sources_behind(sources);
-  require(sources.second_foci.empty(),
-          "expected spherical waves for the method layers, got astigmatic ones of curved mirrors or glass; use another method");
+  require(!has_astigmatic(sources), "expected spherical waves for layers, got astigmatic ones; synthesize takes both");
   check_ranges(params);
   require(sources.tiles.columns == 0,
           "expected waves of one amplitude for the whole panel for the method layers, got amplitudes for {} × "

@@ -164,6 +164,7 @@ class PlanSearch {
 }  // namespace
 
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
+  if (wave.astigmatic) return false;
   const double tangent = acceptance_tangent(wavelength, pitch);
   return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/cycles.h"
@@ -33,22 +35,27 @@ inline PixelBox lit_box(const Source& source, const Grid& grid, double tangent) 
   return pixels_around(source.origin, radius, radius, grid);
 }
 
-/// The pixels that an astigmatic wave lights (AstigmaticWave::lit).
-inline PixelBox lit_box(const AstigmaticWave& wave, const Grid& grid, double tangent) {
-  if (!std::isfinite(tangent)) return {0, grid.nx, 0, grid.ny};
-  const auto [foot, reach_x, reach_y] = wave.lit(tangent);
-  return pixels_around(foot, reach_x, reach_y, grid);
-}
+/// An astigmatic wave, and the part of the panel's plane that it lights.
+struct LitAstigmaticWave {
+  AstigmaticWave wave;
+  AstigmaticWave::Lit lit;
 
-/// The pixels that wave i lights.
+  /// Wave i of the sources.
+  LitAstigmaticWave(const Sources& sources, size_t i, double tangent)
+      : wave(sources.waves[i].origin, sources.second_foci[i]), lit(wave.lit(tangent)) {}
+
+  /// The pixels around what it lights.
+  PixelBox box(const Grid& grid) const {
+    if (!std::isfinite(lit.reach_x) || !std::isfinite(lit.reach_y)) return {0, grid.nx, 0, grid.ny};
+    return pixels_around(lit.foot, lit.reach_x, lit.reach_y, grid);
+  }
+};
+
+/// The pixels that wave i lights, or those around them.
 inline PixelBox lit_box(const Sources& sources, size_t i, const Grid& grid, double tangent) {
-  const Source& source = sources.waves[i];
-  if (sources.second_foci.empty() || !sources.second_foci[i].is_astigmatic()) return lit_box(source, grid, tangent);
-  return lit_box(AstigmaticWave(source.origin, sources.second_foci[i]), grid, tangent);
+  if (!is_astigmatic(sources, i)) return lit_box(sources.waves[i], grid, tangent);
+  return LitAstigmaticWave(sources, i, tangent).box(grid);
 }
-
-/// r − d for r = √(ρ² + d²) without the cancellation of the difference: ρ²/(r + d).
-inline double path_beyond_depth(double rho2, double depth) { return rho2 / (std::sqrt(rho2 + depth * depth) + depth); }
 
 /// A source prepared for summation: r/λ is split into d₀/λ, reduced once, and (r − d₀)/λ, which is
 /// a few hundred cycles and therefore exact to 1e-13 of a cycle in double.
@@ -57,10 +64,8 @@ struct PreparedWave {
   double start_cycles;  ///< d₀/λ + φ₀/2π, reduced; φ₀/2π of an astigmatic wave
   double amplitude;
   PixelBox box;
-  const SecondFocus* second =
-      nullptr;  ///< of an astigmatic wave, in its Sources; its depth is < 0 in front of the panel
-
-  AstigmaticWave astigmatic() const { return {{x, y, -depth}, *second}; }
+  /// Of an astigmatic wave: its box has pixels that it does not light (lit_columns).
+  std::shared_ptr<const LitAstigmaticWave> astigmatic{};
 };
 
 /// @param cone_wavelength  wavelength whose acceptance limits the box [m]; 0: the wave's own
@@ -75,15 +80,30 @@ inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double 
           lit_box(source, grid, acceptance_tangent(cone_wavelength > 0 ? cone_wavelength : wavelength, grid.pitch))};
 }
 
-/// Wave i of the sources, which must outlast it.
+/// Wave i of the sources.
 inline PreparedWave prepare_wave(const Sources& sources, size_t i, const Grid& grid) {
   const Source& source = sources.waves[i];
-  if (sources.second_foci.empty() || !sources.second_foci[i].is_astigmatic())
+  if (!is_astigmatic(sources, i))
     return prepare_wave(source, grid, sources.wavelength, sources.acceptance_wavelength());
   const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
-  return {source.origin.x,         source.origin.y,  -source.origin.z,
-          source.phase / (2 * pi), source.amplitude, lit_box(sources, i, grid, tangent),
-          &sources.second_foci[i]};
+  const auto wave = std::make_shared<const LitAstigmaticWave>(sources, i, tangent);
+  return {source.origin.x,
+          source.origin.y,
+          -source.origin.z,
+          source.phase / (2 * pi),
+          source.amplitude,
+          wave->box(grid),
+          wave};
+}
+
+/// The columns of a row that the wave lights: from and to; from ≥ to: none.
+inline std::pair<int, int> lit_columns(const PreparedWave& wave, const Grid& grid, int row) {
+  if (!wave.astigmatic) return {wave.box.x0, wave.box.x1};
+  const AstigmaticWave::Lit& lit = wave.astigmatic->lit;
+  const auto [from, to] = lit.along_x(grid.y(double(row)) - lit.foot.y);
+  const double zero = (lit.foot.x - grid.centre_x) / grid.pitch + (grid.nx - 1) / 2.0;
+  const auto column = [&](double x) { return std::clamp(zero + x / grid.pitch, -1.0, double(grid.nx)); };
+  return {std::max(wave.box.x0, int(std::ceil(column(from)))), std::min(wave.box.x1, int(std::floor(column(to))) + 1)};
 }
 
 /// The sources prepared for summation, without those that light no pixel of the grid. Tile amplitudes are
@@ -133,8 +153,8 @@ inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Gri
 
 /// U = a·(d₀/r)·exp(2πi·(r/λ + φ₀/2π)) at the point (x, y) of the panel (Eq. 5, 6); for an astigmatic wave that of AstigmaticWave.
 inline std::complex<double> wave_at(const PreparedWave& wave, double x, double y, double wavelength) {
-  if (wave.second) {
-    const auto [path, modulus] = wave.astigmatic().at({x, y, 0});
+  if (wave.astigmatic) {
+    const auto [path, modulus, direction] = wave.astigmatic->wave.at({x, y, 0});
     return cis_cycles(wave.start_cycles + cycle_fraction(path, wavelength)) * (wave.amplitude * modulus);
   }
   const double dx = x - wave.x, dy = y - wave.y;

@@ -9,10 +9,9 @@ namespace holotrace {
 
 namespace {
 
-// The split over the wave, of modulus 1 and phase 0 if it is exact, and the energy of the wave, at a pixel.
+// At a pixel: the energies of the split's error, and of the wave.
 struct SplitAt {
-  std::complex<double> ratio;
-  double energy;
+  double error, energy;
 };
 
 SplitAt split_of(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
@@ -21,23 +20,24 @@ SplitAt split_of(const PreparedWave& w, Vec3 centre, Vec3 pixel, double waveleng
   const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
   const auto beyond = [&](double a, double b) { return path_beyond_depth(a * a + b * b, w.depth); };
   const double phase = 2 * pi / wavelength * ((beyond(x, y) - beyond(x, y0)) - (beyond(x0, y) - beyond(x0, y0)));
-  return {std::polar(r * r0 / (along_column * along_row), -phase), w.amplitude * w.amplitude * (d2 / (r * r))};
+  const double energy = w.amplitude * w.amplitude * (d2 / (r * r));
+  return {energy * std::norm(std::polar(r * r0 / (along_column * along_row), -phase) - 1.0), energy};
 }
 
 SplitAt split_of_astigmatic(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
-  const AstigmaticWave wave = w.astigmatic();
+  const AstigmaticWave& wave = w.astigmatic->wave;
   const auto here = wave.at(pixel), there = wave.at(centre);
   const auto slopes = wave.slopes(centre);
-  std::complex<double> ratio = there.modulus / here.modulus;
-  double path = there.path - here.path;
+  double path = there.path - here.path, ratio = there.modulus / here.modulus;
   const auto add_axis = [&](const AxisSphere& sphere, double u) {
     const double t = u * (2 * sphere.x + u) / (sphere.r0 * sphere.r0), root = std::sqrt(1 + t);
     path += sphere.r0 * t / (1 + root);
     ratio /= root;
   };
-  add_axis({slopes.direction.x, slopes.xx}, pixel.x - centre.x);
-  add_axis({slopes.direction.y, slopes.yy}, pixel.y - centre.y);
-  return {ratio * std::polar(1.0, 2 * pi * path / wavelength), std::pow(w.amplitude * here.modulus, 2)};
+  add_axis({slopes.x, slopes.xx}, pixel.x - centre.x);
+  add_axis({slopes.y, slopes.yy}, pixel.y - centre.y);
+  const double energy = std::pow(w.amplitude * here.modulus, 2);
+  return {energy * std::norm(std::polar(ratio, 2 * pi * path / wavelength) - 1.0), energy};
 }
 
 }  // namespace
@@ -50,9 +50,10 @@ SplitEnergies measure_split(const std::vector<DrawnPixel>& pixels, const Grid& g
     const Vec3 centre{grid.x(i - (i - bounds.x0) % tile.columns + (tile.columns - 1) / 2.0),
                       grid.y(k - (k - bounds.y0) % tile.rows + (tile.rows - 1) / 2.0), 0};
     const Vec3 pixel{grid.x(i), grid.y(k), 0};
-    const auto [ratio, energy] = (wave.second ? split_of_astigmatic : split_of)(wave, centre, pixel, wavelength);
-    energies.error += energy / density * std::norm(ratio - 1.0);
-    energies.waves += energy / density;
+    if (const auto [from, to] = lit_columns(wave, grid, k); i < from || i >= to) continue;
+    const SplitAt split = (wave.astigmatic ? split_of_astigmatic : split_of)(wave, centre, pixel, wavelength);
+    energies.error += split.error / density;
+    energies.waves += split.energy / density;
   }
   return energies;
 }

@@ -35,22 +35,24 @@ struct TileBatch {
       r0_over_wavelength_x[batch], r0_over_wavelength_y[batch], phase[batch], scale[batch], greatest_t[batch];
   alignas(64) float first_row[batch], last_row[batch];
   int first_column[batch], last_column[batch];
-  const PreparedWave* astigmatic[batch];  // none: the wave is spherical
+  const AstigmaticWave* astigmatic[batch];  // none: the wave is spherical
 };
 
-inline void add_wave(TileBatch& b, const PreparedWave& wave, Vec3 centre, const PixelBox& box, int rows) {
+// lit: the pixels of the tile that it lights
+inline void add_wave(TileBatch& b, const PreparedWave& wave, const PixelBox& lit, Vec3 centre, const PixelBox& box,
+                     int rows) {
   const int k = b.count++;
   b.x[k] = centre.x - wave.x;
   b.y[k] = centre.y - wave.y;
   b.depth[k] = wave.depth;
   b.start[k] = wave.start_cycles;
   b.amplitude[k] = wave.amplitude;
-  b.first_column[k] = wave.box.x0 - box.x0;
-  b.last_column[k] = wave.box.x1 - box.x0;
-  b.first_row[k] = float(wave.box.y0 - box.y0);
-  b.last_row[k] = float(wave.box.y1 - box.y0);
-  b.astigmatic[k] = wave.second ? &wave : nullptr;
-  if (wave.box.y0 > box.y0 || wave.box.y1 < box.y0 + rows) b.has_row_edges = true;
+  b.first_column[k] = lit.x0 - box.x0;
+  b.last_column[k] = lit.x1 - box.x0;
+  b.first_row[k] = float(lit.y0 - box.y0);
+  b.last_row[k] = float(lit.y1 - box.y0);
+  b.astigmatic[k] = wave.astigmatic ? &wave.astigmatic->wave : nullptr;
+  if (lit.y0 > box.y0 || lit.y1 < box.y0 + rows) b.has_row_edges = true;
 }
 
 // Adds waves of amplitude 0 up to a whole number of vectors, or of pairs of vectors for packed products.
@@ -68,10 +70,9 @@ inline int padded(int count) { return (count + 31) / 32 * 32; }
 
 // Replaces what `prepare` has computed for wave k, which is astigmatic.
 inline void prepare_astigmatic(TileBatch& b, int k, Vec3 centre, double wavelength, double half_x, double half_y) {
-  const AstigmaticWave wave = b.astigmatic[k]->astigmatic();
-  const auto at = wave.at(centre);
-  const auto slopes = wave.slopes(centre);
-  const AxisSphere x(slopes.direction.x, slopes.xx), y(slopes.direction.y, slopes.yy);
+  const auto at = b.astigmatic[k]->at(centre);
+  const auto slopes = b.astigmatic[k]->slopes(centre);
+  const AxisSphere x(slopes.x, slopes.xx), y(slopes.y, slopes.yy);
   const double cycles = cycle_fraction(at.path, wavelength) + b.start[k];
   const double t_x = half_x * (2 * std::abs(x.x) + half_x) / (x.r0 * x.r0);
   const double t_y = half_y * (2 * std::abs(y.x) + half_y) / (y.r0 * y.r0);

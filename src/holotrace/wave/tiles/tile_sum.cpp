@@ -258,10 +258,29 @@ void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const
   const Offsets offsets(tile, grid.pitch);
   const Vec3 centre{grid.x(box.x0 + (tile.columns - 1) / 2.0), grid.y(box.y0 + (tile.rows - 1) / 2.0), 0};
   TileBatch b;
-  for (const PreparedWave& wave : waves) {
-    if (intersect(wave.box, box).is_empty()) continue;
-    add_wave(b, wave, centre, box, tile.rows);
+  const auto add = [&](const PreparedWave& wave, const PixelBox& lit) {
+    add_wave(b, wave, lit, centre, box, tile.rows);
     if (b.count == batch) add_batch(b, offsets, centre, wavelength, grid.pitch, plan, s);
+  };
+  for (const PreparedWave& wave : waves) {
+    const PixelBox in_tile = intersect(wave.box, box);
+    if (in_tile.is_empty()) continue;
+    if (!wave.astigmatic) {
+      add(wave, wave.box);
+      continue;
+    }
+    // Rows with the same lit columns are one wave.
+    for (int row = in_tile.y0; row < in_tile.y1;) {
+      const auto columns = lit_columns(wave, grid, row);
+      const auto within = [&](std::pair<int, int> c) {
+        return std::pair{std::max(c.first, box.x0), std::min(c.second, box.x1)};
+      };
+      const auto [from, to] = within(columns);
+      int end = row + 1;
+      while (end < in_tile.y1 && within(lit_columns(wave, grid, end)) == std::pair{from, to}) ++end;
+      if (from < to) add(wave, {from, to, row, end});
+      row = end;
+    }
   }
   add_batch(b, offsets, centre, wavelength, grid.pitch, plan, s);
   const float* const ac = s.sums.data();
