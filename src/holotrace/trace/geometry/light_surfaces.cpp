@@ -8,6 +8,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/trace/geometry/box_tree.h"
 
 namespace holotrace {
 
@@ -119,17 +120,10 @@ ScenePrecision precision_of(const Scene& scene) {
 
 namespace {
 
-struct Box {
-  Vec3 low, high;
-};
-
 template <class Corners>
 Box box_of(const Corners& corners, double margin) {
-  Box box{corners[0], corners[0]};
-  for (const Vec3& p : corners) {
-    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-  }
+  Box box;
+  for (const Vec3& p : corners) box.include(p);
   const Vec3 around{margin, margin, margin};
   return {box.low - around, box.high + around};
 }

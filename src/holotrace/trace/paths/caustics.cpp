@@ -20,7 +20,7 @@ namespace holotrace {
 
 namespace {
 
-constexpr double least_weight = 1e-3;  // of a chain, as in specular.cpp
+constexpr double least_share = 1e-3;  // of a chain, as in specular.cpp
 
 // --- rays of a lamp ---------------------------------------------------------------------------------
 
@@ -126,7 +126,7 @@ void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& 
   for (int i = 0; i < branches.count; ++i) {
     LightWay next = way;
     deflect(scene, next, point, branches.ways[size_t(i)]);
-    if (max_component(next.weight) < least_weight) continue;
+    if (max_component(next.weight) < least_share) continue;
     if (next.chain.size() > most)
       is_cut = true;
     else
@@ -384,9 +384,9 @@ class BundleMaker {
  private:
   static constexpr std::array<Vec2, 5> places{Vec2{}, corners[0], corners[1], corners[2], corners[3]};
   static constexpr int finest_level = 3;
-  static constexpr double least_to_split = 0.05;  // of the light
-  static constexpr double least_brightness = 1e-3;
-  static constexpr double even = 0.3;  // error of the first order at the corners, of half a cell
+  static constexpr double least_to_split = 0.05;    // of the light
+  static constexpr double least_brightness = 1e-3;  // over the lamp's own light as far away
+  static constexpr double even = 0.3;               // error of the first order at the corners, of half a cell
 
   std::vector<Landing> land(const Ray& ray) {
     const auto by_user = size_t(scene_.params.max_depth) - 1;

@@ -81,13 +81,16 @@ struct CausticLight {
 ///     E = I(ω)·Πᵢ Tᵢ · |dω/dA|      (parallel light: E₀·Πᵢ Tᵢ·|dA₀/dA|),
 ///
 /// with the reflectances and transmittances Tᵢ of power, and the area dA across the ray at x that the solid angle dω of the
-/// lamp lights. The derivatives are central differences of the chain in double, as in specular.h. At a focal line dA is 0.
-/// Where several images of a lamp are seen from x, each counts once.
+/// lamp lights. The derivatives are those of the chain in double (retrace). At a focal line dA is 0. Where several images of a
+/// lamp are seen from x, each counts once.
 ///
-/// The bundles decide which images are found, but not how bright they are: there is no blur and no noise.
+/// The bundles decide which images are found, but not how bright they are: there is no blur and no noise. Images fainter than
+/// a thousandth of the lamp, as far away, are left out, and so are chains of less than a thousandth of its light.
 ///
 /// @param most_surfaces  longer chains are left out
 /// @param with_phase     whether optical_path and phase are needed
+///
+/// Cost: 10 to 20 µs where caustics lie.
 /// Reference: W. Jakob and S. Marschner, Manifold Exploration, ACM Trans. Graph. 31(4), 2012, for Newton's method on chains;
 /// D. Mitchell and P. Hanrahan, Illumination from Curved Reflectors, SIGGRAPH 1992, for the light of the images.
 std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& place, size_t light,
