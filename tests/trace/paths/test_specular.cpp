@@ -300,6 +300,24 @@ TEST(Specular, SourcesBehindObliqueMirrorsHaveFermatsPaths) {
   EXPECT_GT(worst_of_sphere, green_light / 4);
 }
 
+// Also where the plane of incidence is at 45° to the panel's axes, all waves have their focal lines, and light the place of their ray.
+TEST(Specular, SourcesBehindMirrorsTurnedAnywhichWayAreAstigmatic) {
+  Scene scene = make_oblique_mirror_scene(300_mm, 45_deg, 12_mm);
+  for (Mesh& mesh : scene.meshes) transform_mesh(rotation_z(45_deg), mesh);
+  const Grid panel{128, 128, 8e-6};
+  const double tangent = acceptance_tangent(green_light, panel.pitch);
+  TraceParams params{.columns = 9, .rows = 9, .field_of_view = 0.03, .paths = 1, .phase = SourcePhase::path};
+  const Sources sources = trace(scene, panel, green_light, params);
+  ASSERT_EQ(sources.waves.size(), 81u);
+  ASSERT_EQ(sources.second_foci.size(), 81u);
+  for (size_t i = 0; i < 81; ++i) {
+    ASSERT_TRUE(sources.second_foci[i].is_astigmatic()) << i;
+    const auto lit = AstigmaticWave(sources.waves[i].origin, sources.second_foci[i]).lit(tangent);
+    const auto [from, to] = lit.along_y(-lit.foot.x);  // the rays leave the panel's middle
+    EXPECT_TRUE(from <= -lit.foot.y && -lit.foot.y <= to) << i;
+  }
+}
+
 // The energy of the panel's light is the same whether waves are astigmatic or, on a panel too small to tell, spherical: L times
 // étendue over the panel's area.
 TEST(Specular, AstigmaticSourcesCarryTheLightOfTheirRays) {

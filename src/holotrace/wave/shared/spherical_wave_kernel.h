@@ -57,6 +57,9 @@ inline PixelBox lit_box(const Sources& sources, size_t i, const Grid& grid, doub
   return LitAstigmaticWave(sources, i, tangent).box(grid);
 }
 
+/// r − d for r = √(ρ² + d²) without the cancellation of the difference: ρ²/(r + d).
+inline double path_beyond_depth(double rho2, double depth) { return rho2 / (std::sqrt(rho2 + depth * depth) + depth); }
+
 /// A source prepared for summation: r/λ is split into d₀/λ, reduced once, and (r − d₀)/λ, which is
 /// a few hundred cycles and therefore exact to 1e-13 of a cycle in double.
 struct PreparedWave {
