@@ -44,11 +44,11 @@ Observer watch_stage(const ContentsParams& params, const char* stage) {
   return params.watch ? params.watch(stage) : Observer{};
 }
 
-std::string flag_of(const std::string& field) { return "--" + field; }
+std::string dashed(const std::string& field) { return "--" + field; }
 
 ViewedItem item_of_hologram(const std::string& path, const ContentsParams& params) {
   PanelHologram of_file = load_panel_hologram(path, params.slm, [&](HologramParams& of_hologram) {
-    TextSetter setter(params.hologram, flag_of);
+    TextSetter setter(params.hologram, dashed);
     describe(setter, of_hologram);
   });
   return {path, std::move(of_file.hologram), std::move(of_file.slm), {}};
@@ -213,7 +213,7 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
     return contents;
   }
   if (!params.hologram.empty())
-    fail("{0} is for holograms, but {1} is none; leave out {0}", flag_of(params.hologram.begin()->first), path);
+    fail("{0} is for holograms, but {1} is none; leave out {0}", dashed(params.hologram.begin()->first), path);
   if (is_one_of(extension_of(path), {".toml", ".obj", ".gltf", ".glb"})) {
     contents.kind = "scene";
     add_scene(path, params, contents);
