@@ -143,7 +143,7 @@ def test_astigmatic_sources_have_the_field_of_their_formula(tmp_path):
     sources = ht.Sources(
         [first, [0, 0, -0.1]], [2, 0], wavelength=532e-9, second_foci=[second, [0, 0, -1]], focal_lines=[[0, 1, 0], [0, 0, 0]]
     )
-    field = ht.synthesize(sources, ht.Slm(nx=32, ny=24, pitch="8 um"), method="exact")
+    field = ht.synthesize(sources, ht.Slm(columns=32, rows=24, pitch="8 um"), method="exact")
     x = (np.arange(32) - 15.5) * 8e-6 - first[0]
     y = (11.5 - np.arange(24)[:, None]) * 8e-6
     rho, apart = np.hypot(x, 0.08), 0.03

@@ -4,7 +4,7 @@
 
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
-#include "holotrace/wave/sum_by_kind.h"
+#include "holotrace/wave/shared/sum_by_kind.h"
 
 namespace holotrace {
 

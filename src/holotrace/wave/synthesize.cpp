@@ -14,7 +14,7 @@
 #include "holotrace/wave/shared/fastest_device.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
-#include "holotrace/wave/sum_by_kind.h"
+#include "holotrace/wave/shared/sum_by_kind.h"
 #include "holotrace/wave/sum_exact.h"
 
 namespace holotrace {

@@ -8,7 +8,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/wave/sum_by_kind.h"
+#include "holotrace/wave/shared/sum_by_kind.h"
 #include "holotrace/wave/triangles/triangle_error.h"
 
 namespace holotrace {

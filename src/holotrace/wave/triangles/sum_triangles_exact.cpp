@@ -7,7 +7,7 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/wave/sum_by_kind.h"
+#include "holotrace/wave/shared/sum_by_kind.h"
 #include "holotrace/wave/triangles/triangle_part.h"
 
 namespace holotrace {
