@@ -158,7 +158,7 @@ Sources astigmatic_of(const Sources& sources) {
 
 // From the formula alone, in long double. A pixel is lit if the slopes of the path along x and y, linear from the place on where both
 // are 0, are within the acceptance; they are differences of the path.
-FieldDouble closed_form(const Sources& sources, const Grid& grid) {
+FieldDouble field_by_formula(const Sources& sources, const Grid& grid) {
   using Real = long double;
   FieldDouble field(grid, sources.wavelength);
   const Real tangent = std::tan(std::asin(sources.wavelength / (2 * (Real)grid.pitch)));
@@ -208,7 +208,7 @@ FieldDouble closed_form(const Sources& sources, const Grid& grid) {
 TEST(AstigmaticWaves, EveryMethodSumsThemWithinItsTolerance) {
   const Grid grid{96, 80, 8_um};
   const Sources sources = mixed_waves(grid);
-  const FieldDouble expected = closed_form(sources, grid);
+  const FieldDouble expected = field_by_formula(sources, grid);
   EXPECT_LT(relative_error(sum_exact(sources, grid), expected), 1e-7);  // cycles in double, phases in float
   for (const SynthesisMethod method :
        {SynthesisMethod::exact, SynthesisMethod::tiled, SynthesisMethod::planes, SynthesisMethod::automatic})
@@ -254,7 +254,7 @@ TEST(AstigmaticWaves, KeepTheirAmplitudesInTilesAndBands) {
     Sources one = sources;
     one.tiles = {};
     for (size_t i = 0; i < count; ++i) one.waves[i].amplitude = sources.tiles.values[size_t(tile) * count + i];
-    const FieldDouble field = closed_form(one, grid);
+    const FieldDouble field = field_by_formula(one, grid);
     for (int j = 128 * tile; j < 128 * (tile + 1); ++j)
       for (int i = 0; i < 64; ++i) expected.samples(j, i) = field.samples(j, i);
   }
