@@ -106,7 +106,7 @@ class DepthImage(Noun):
     picture : Image, or array of the shape (rows, columns) or (rows, columns, 3)
         Linear light; 1 is white.
     depth : array of the shape (rows, columns)
-        Depths behind the panel [m]; 0: nothing there.
+        Depths behind the panel, below 0 in front of it [m]; 0: nothing there.
     """
 
     __slots__ = ()
@@ -129,13 +129,15 @@ class DepthImage(Noun):
 
     def __repr__(self) -> str:
         rows, columns = self.depth.shape
-        there = self.depth[self.depth > 0]
+        there = self.depth[self.depth != 0]
         depths = f"{format_length(float(there.min()))} to {format_length(float(there.max()))}" if there.size else "none"
         return f"DepthImage({columns} x {rows}, depths {depths})"
 
     def _repr_html_(self) -> str:
         picture, depth = self.picture, _picture.reduced(self.depth)
-        nearness = 1 - depth / max(float(depth.max()), 1e-30)
+        there = depth[depth != 0] if depth.any() else np.zeros(1)
+        range_of_depths = max(float(there.max() - there.min()), 1e-30)
+        nearness = np.where(depth == 0, 0, 1 - 0.8 * (depth - there.min()) / range_of_depths)
         return _picture.page(
             repr(self),
             [

@@ -17,7 +17,7 @@ const Fact& fact(const StageReport& entry, const std::string& name) {
   throw std::runtime_error("no fact " + name);
 }
 
-TEST(RepeatedStages, CountsAddUpAndOtherFactsAreThoseOfTheFirst) {
+TEST(RepeatedStages, FactsAreThoseOfAll) {
   Report report;
   const StageObserver watch;
   RepeatedStages repeat(3, 1, 3, report, watch);
@@ -26,6 +26,9 @@ TEST(RepeatedStages, CountsAddUpAndOtherFactsAreThoseOfTheFirst) {
       o.fact("waves", Fact(int64_t(10 + i)));
       o.fact("waves_pixels", Fact(int64_t(1000 * (1 + i))));
       o.fact("expected_error", Fact(0.5 + i));
+      o.fact("predicted_seconds", Fact(1.0 + i));
+      o.fact("method", Fact(std::string(i == 1 ? "tiled" : "planes")));
+      o.fact("slices", Fact(int64_t(i)));
       o.warn("some waves are outside");
       o.curve("error", {double(i)});
       return true;
@@ -35,7 +38,10 @@ TEST(RepeatedStages, CountsAddUpAndOtherFactsAreThoseOfTheFirst) {
   EXPECT_EQ(std::get<int64_t>(fact(all, "holograms")), 3);
   EXPECT_EQ(std::get<int64_t>(fact(all, "waves")), 10 + 11 + 12);
   EXPECT_EQ(std::get<int64_t>(fact(all, "waves_pixels")), 1000 + 2000 + 3000);
-  EXPECT_EQ(std::get<double>(fact(all, "expected_error")), 0.5);
+  EXPECT_EQ(std::get<double>(fact(all, "predicted_seconds")), 6);
+  EXPECT_EQ(std::get<double>(fact(all, "expected_error")), 2.5) << "the largest";
+  EXPECT_EQ(std::get<std::string>(fact(all, "method")), "planes, tiled") << "each once";
+  EXPECT_EQ(std::get<int64_t>(fact(all, "slices")), 0) << "the first";
   EXPECT_EQ(all.warnings, std::vector<std::string>{"some waves are outside"});
   ASSERT_EQ(all.curves.size(), 1u);
   EXPECT_EQ(all.curves[0].second, std::vector<double>{0});

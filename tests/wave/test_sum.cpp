@@ -15,6 +15,7 @@
 #include "holotrace/wave/tiles/tile_error.h"
 #include "support/devices.h"
 #include "support/fields.h"
+#include "support/panels.h"
 #include "support/wavelengths.h"
 
 namespace holotrace {
@@ -67,8 +68,11 @@ TEST(BothSides, EveryMethodSumsThemWithinItsTolerance) {
   EXPECT_LT(relative_error(sum_exact(sources, grid), expected), 1e-7);  // cycles in double, phases in float
   for (const SynthesisMethod method :
        {SynthesisMethod::exact, SynthesisMethod::tiled, SynthesisMethod::planes, SynthesisMethod::automatic}) {
-    const Field field = synthesize(sources, grid, {.method = method, .tolerance = 1e-3});
+    Heard heard;
+    const Field field = synthesize(sources, grid, {.method = method, .tolerance = 1e-3}, heard.observer());
     EXPECT_LT(relative_error(field, expected), 1e-3) << method_name(method);
+    EXPECT_EQ(std::get<int64_t>(heard.facts.at("waves")), 300) << "of both sides";
+    EXPECT_EQ(std::get<int64_t>(heard.facts.at("waves_pixels")), waves_pixels(sources, grid));
     EXPECT_GT(relative_error(field, closed_form(kinds_of(sources).behind, grid)), 0.1);
   }
 }

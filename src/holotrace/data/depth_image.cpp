@@ -22,11 +22,11 @@ bool has_light(const Image& picture, size_t pixel) {
 void leave_out_empty_pixels(DepthImage& image) {
   const Image& picture = image.picture;
   if (image.depth.nx != picture.nx || image.depth.ny != picture.ny) return;  // check_depth_image says so
-  float deepest = 0;
+  float deepest = -background_depth;
   for (size_t i = 0; i < image.depth.size(); ++i) {
     float& depth = image.depth.values[i];
-    if (!std::isfinite(depth) || depth >= background_depth) depth = 0;
-    if (has_light(picture, i)) deepest = std::max(deepest, depth);
+    if (!(std::abs(depth) < background_depth)) depth = 0;
+    if (depth != 0 && has_light(picture, i)) deepest = std::max(deepest, depth);
   }
   for (size_t i = 0; i < image.depth.size(); ++i)
     if (image.depth.values[i] > deepest && !has_light(picture, i)) image.depth.values[i] = 0;
@@ -45,12 +45,11 @@ void check_depth_image(const DepthImage& image) {
   bool is_anywhere = false;
   for (size_t i = 0; i < image.depth.size(); ++i) {
     const float depth = image.depth.values[i];
-    require(std::isfinite(depth) && depth >= 0,
-            "expected depths of 0 m (nothing there) or more, got {} m at row {}, column {}", depth,
-            i / size_t(picture.nx), i % size_t(picture.nx));
-    is_anywhere = is_anywhere || depth > 0;
+    require(std::isfinite(depth), "expected finite depths, or 0 m (nothing there), got {} m at row {}, column {}",
+            depth, i / size_t(picture.nx), i % size_t(picture.nx));
+    is_anywhere = is_anywhere || depth != 0;
   }
-  require(is_anywhere, "expected a pixel with a depth above 0 m, got none");
+  require(is_anywhere, "expected a pixel with a depth other than 0 m (nothing there), got none");
 }
 
 }  // namespace holotrace

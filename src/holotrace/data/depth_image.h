@@ -9,7 +9,7 @@ namespace holotrace {
 /// A picture and the depth of each of its pixels (RGB-D); both have the same size.
 struct DepthImage {
   Image picture;         ///< linear light, 1 or 3 channels; 1 is white
-  Array2D<float> depth;  ///< depth behind the panel [m]; 0: nothing there
+  Array2D<float> depth;  ///< depth behind the panel, below 0 in front of it [m]; 0: nothing there
 };
 
 /// Position of the picture's pixels in space. Orthographic: side by side as on a slide, at the same width in every
@@ -21,7 +21,8 @@ enum class DepthScale { depth, disparity };
 
 /// How a picture with depth becomes light.
 struct DepthImageParams {
-  double near = 0, far = 0;                          ///< depths of white and black [m]; both 0: the file has metres
+  double near = 0,
+         far = 0;  ///< depths of white and black [m], below 0 in front of the panel; both 0: the file has metres
   DepthScale scale = DepthScale::depth;              ///< what is in equal steps between them
   double width = 0;                                  ///< width of the picture [m]; 0: the panel's (orthographic)
   Projection projection = Projection::orthographic;  ///< projection of the pixels into space
@@ -34,10 +35,10 @@ struct DepthImageParams {
 template <class Visitor>
 void describe(Visitor& v, DepthImageParams& p) {
   v.length(
-      "near", p.near, range::not_negative,
-      "depth of white in the depth image, above that of black where black is nearer; not for EXR, whose values are "
-      "metres");
-  v.length("far", p.far, range::not_negative, "depth of black in the depth image");
+      "near", p.near, range::any,
+      "depth of white in the depth image behind the panel (below 0: in front of it), above that of black where black is "
+      "nearer; not for EXR, whose values are metres");
+  v.length("far", p.far, range::any, "depth of black in the depth image");
   v.choice("depth_scale", p.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}},
            "quantity in equal steps of grey between white and black: the depth, or its inverse (disparity), as stereo "
            "cameras and many depth estimators give it");
@@ -59,7 +60,7 @@ void describe(Visitor& v, DepthImageParams& p) {
 /// light, which hide nothing.
 void leave_out_empty_pixels(DepthImage& image);
 
-/// @throws Error  for sizes that differ or are 0, and for depths or light that are negative or not finite
+/// @throws Error  for sizes that differ or are 0, for light that is negative, light or depths that are not finite, and no pixel with a depth
 void check_depth_image(const DepthImage& image);
 
 }  // namespace holotrace

@@ -12,8 +12,7 @@ namespace {
 void check_slice(const Slice& slice, size_t index, const Layers& layers) {
   const Field& light = slice.light;
   check_grid(light.grid);
-  require(std::isfinite(light.z) && light.z < 0, "expected slice {} behind the panel (z < 0), got z = {} m", index,
-          light.z);
+  require(std::isfinite(light.z), "expected slice {} at a finite place, got z = {} m", index, light.z);
   require(light.wavelength == layers.wavelength && light.grid.pitch == layers.slices.front().light.grid.pitch,
           "expected slices of one wavelength and pitch, {} and {}, got {} and {} in slice {}",
           format_length(layers.wavelength), format_length(layers.slices.front().light.grid.pitch),

@@ -23,11 +23,11 @@ void warn_of_depths(const DepthImage& image, const Observer& observer) {
   double nearest = HUGE_VAL;
   for (size_t i = 0; i < std::min(image.depth.size(), picture.values.size() / size_t(picture.channels)); ++i) {
     const double depth = double(image.depth.values[i]);
-    if (depth > 0) nearest = std::min(nearest, depth);
+    if (depth != 0) nearest = std::min(nearest, std::abs(depth));
     const auto* values = picture.values.data() + i * size_t(picture.channels);
     const bool is_lit = std::any_of(values, values + picture.channels, [](float value) { return value > 0; });
     lit += is_lit;
-    lost += is_lit && !(depth > 0);
+    lost += is_lit && depth == 0;
   }
   if (lost > 0)
     observer.warn(fmt::format(

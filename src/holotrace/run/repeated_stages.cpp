@@ -2,19 +2,14 @@
 
 #include <algorithm>
 
+#include "holotrace/base/merged_facts.h"
+
 namespace holotrace {
 namespace {
 
 void add(const StageReport& once, StageReport& entry) {
   entry.seconds += once.seconds;
-  for (const auto& fact : once.facts) {
-    const auto found = std::find_if(entry.facts.begin(), entry.facts.end(),
-                                    [&](const auto& present) { return present.first == fact.first; });
-    if (found == entry.facts.end())
-      entry.facts.push_back(fact);
-    else if (fact.first == "waves" || fact.first == "waves_pixels")
-      std::get<int64_t>(found->second) += std::get<int64_t>(fact.second);
-  }
+  for (const auto& [name, value] : once.facts) merge_fact(entry.facts, name, value);
   for (const auto& curve : once.curves)
     if (std::none_of(entry.curves.begin(), entry.curves.end(), [&](const auto& c) { return c.first == curve.first; }))
       entry.curves.push_back(curve);

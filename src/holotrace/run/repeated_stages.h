@@ -12,8 +12,8 @@ namespace holotrace {
 
 /// The stages that every hologram of a run passes, at every illumination state of its light. With one hologram and one
 /// state they are ordinary stages. With more, a caller sees one stage "N holograms" (or "N illumination states") with
-/// the progress of all. The report has one entry per name: the total seconds, the facts and curves of the first,
-/// the sums of the counts "waves" and "waves_pixels", and each warning once.
+/// the progress of all. The report has one entry per name: the total seconds, the facts of all (merge_fact), the curves
+/// of the first, and each warning once.
 class RepeatedStages {
  public:
   /// @param holograms  number of holograms

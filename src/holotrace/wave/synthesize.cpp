@@ -232,9 +232,11 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
         "the method layers shows astigmatic waves of curved mirrors and glass as spherical ones; use auto for both focal lines");
     return synthesize(as_spherical(sources), grid, params, observer);
   }
-  return sum_by_kind(sources, observer, [&](const Sources& kind, const Observer& of_kind) {
+  const auto sum = [&](const Sources& kind, const Observer& of_kind) {
     return sum_where_chosen(kind, grid, params, {}, of_kind).field;
-  });
+  };
+  if (params.method == SynthesisMethod::layers) return sum(sources, observer);  // near waves hide those on both sides
+  return sum_by_kind(sources, observer, sum);
 }
 
 PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,

@@ -78,15 +78,36 @@ TEST(DepthImageFile, PixelsWithoutLightNeedNoDepth) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(image.depth(0, i), expected[i]) << i;
 }
 
+// Grey from 5 mm in front of the panel (white) to 5 mm behind it; 0 would mean that nothing is there.
+TEST(DepthImageFile, DepthsGoThroughThePanel) {
+  const std::string depth = temporary("through.exr"), picture = picture_file("p3.png", 1, 3, 1);
+  Image metres(1, 3, 1);
+  metres(0, 0) = 5e-3F, metres(0, 1) = -5e-3F, metres(0, 2) = 0;
+  save_image(depth, metres, 1, 8);
+  const DepthImage exr = load_depth_image(picture, depth, 0, 0);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(exr.depth(0, i), metres(0, i)) << i;
+  const std::string file = depth_file("through.png", 8);
+  const DepthImage image = load_depth_image(picture_file("p.png", 2, 3, 3), file, -5e-3, 20e-3);  // codes 0, 255, 51
+  EXPECT_FLOAT_EQ(image.depth(0, 0), 20e-3F);
+  EXPECT_FLOAT_EQ(image.depth(0, 1), -5e-3F);
+  const DepthImage through = load_depth_image(picture_file("p.png", 2, 3, 3), file, -20e-3, 5e-3);  // 51 of 255: 0.2
+  EXPECT_NEAR(through.depth(1, 2), 0, 2e-9) << "in the panel, and there";
+  EXPECT_GT(std::abs(through.depth(1, 2)), 0);
+}
+
 TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
   const std::string picture = picture_file("p.png", 2, 3, 3), depth = depth_file("d.png", 8);
   const auto error = [&](const std::string& p, const std::string& d, double near, double far) {
     return error_of([&] { load_depth_image(p, d, near, far); });
   };
-  const std::string range = depth + ": expected two different depths above 0 m of its white and black, got near ";
+  const std::string range = depth + ": expected two different depths of its white and black, got near ";
   EXPECT_EQ(error(picture, depth, 0, 0), range + "0 m and far 0 m; give --near and --far");
   EXPECT_EQ(error(picture, depth, 0.2, 0.2), range + "200 mm and far 200 mm; give --near and --far");
-  EXPECT_EQ(error(picture, depth, -0.1, 0.1), range + "-100 mm and far 100 mm; give --near and --far");
+  EXPECT_EQ(error(picture, depth, 0.2, NAN).rfind(range, 0), 0U);
+  EXPECT_EQ(error_of([&] { load_depth_image(picture, depth, -0.1, 0.1, DepthScale::disparity); }),
+            depth +
+                ": expected near and far on one side of the panel with the disparity, the inverse of the depth, got "
+                "-100 mm and 100 mm; use the scale depth");
   const std::string small = picture_file("s.png", 2, 2, 1);
   EXPECT_EQ(error(picture, small, 0.1, 0.2), small + ": expected depths for 3 × 2 pixels, as " + picture +
                                                  " has, got 2 × 2; make both pictures one size");
@@ -104,7 +125,7 @@ TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
   EXPECT_EQ(error(picture, metres, 0.1, 0.2),
             metres + ": expected no near, far and scale with a depth EXR, which has metres, got 100 mm and 200 mm");
   EXPECT_EQ(error(picture, metres, 0, 0),
-            picture + " with " + metres + ": expected a pixel with a depth above 0 m, got none");
+            picture + " with " + metres + ": expected a pixel with a depth other than 0 m (nothing there), got none");
 }
 
 }  // namespace

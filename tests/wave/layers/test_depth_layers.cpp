@@ -247,6 +247,41 @@ TEST(DepthLayers, BringTheirLightThroughACommonConeToo) {
   }
 }
 
+// In front of the panel the field of a picture of constant phase is the conjugate of that of its mirror image behind it; in the panel
+// it is the picture itself.
+TEST(DepthLayers, LieOnBothSidesOfThePanelAndInIt) {
+  const Grid panel{64, 48, 8_um};
+  const auto field_at = [&](double depth) {
+    return sum_depth_image(make_depth_image(64, 48, depth), panel, green, constant_phase(), {});
+  };
+  const Field behind = field_at(30_mm), in_front = field_at(-30_mm), within = field_at(1e-9);
+  Field mirrored = behind;
+  for (auto& u : mirrored.samples.values) u = std::conj(u);
+  EXPECT_LT(relative_error(in_front, mirrored), 1e-6);
+  EXPECT_GT(relative_error(in_front, behind), 0.1);
+  const DepthImage image = make_depth_image(64, 48, 1);
+  for (size_t i = 0; i < within.samples.size(); ++i)
+    EXPECT_NEAR(std::norm(within.samples.values[i]), image.picture.values[i], 1e-5) << i;
+
+  // A ramp through the panel keeps its light on each side of it: 41 columns from −20 to 20 mm, the middle one in the panel.
+  DepthImage ramp = make_depth_image(41, 8, 0);
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 41; ++i) ramp.depth(j, i) = i == 20 ? 1e-9F : float((i - 20) * 1_mm), ramp.picture(j, i) = 1;
+  const Grid wide{41, 8, 8_um};
+  const SliceStack stack = slice_depth_image(ramp, wide, green, constant_phase(), slices(9));
+  ASSERT_LE(stack.depths.size(), 9U);
+  int lit = 0;
+  for (size_t m = 0; m < stack.depths.size(); ++m) {
+    const Slice slice = stack.make(m);
+    for (int i = 0; i < 41; ++i) {
+      if (std::abs(slice.light.samples(4, i)) == 0.F) continue;
+      ++lit;
+      EXPECT_NEAR(stack.depths[m], (i - 20) * 1_mm, 2.5_mm) << i;  // 40 mm in nine slices or eight
+    }
+  }
+  EXPECT_EQ(lit, 41);
+}
+
 TEST(DepthLayers, RefuseWhatIsNoPictureWithDepths) {
   const Grid panel{16, 12, 8_um};
   DepthImage image = make_depth_image(8, 6, 0.1_m);
@@ -268,9 +303,12 @@ TEST(DepthLayers, RefuseWhatIsNoPictureWithDepths) {
   EXPECT_EQ(error(params).rfind("expected no width with the projection perspective, got 1 mm", 0), 0U);
   EXPECT_EQ(error({}, slices(-1)), "expected a whole number of 0 or more for \"slices\", got -1");
   image.depth(2, 3) = -0.1F;
-  EXPECT_EQ(error({}).rfind("expected depths of 0 m (nothing there) or more, got -0.1 m at row 2, column 3", 0), 0U);
+  params.width = 0;
+  EXPECT_EQ(error(params).rfind("expected depths behind the panel with the projection perspective", 0), 0U);
+  image.depth(2, 3) = NAN;
+  EXPECT_EQ(error({}).rfind("expected finite depths, or 0 m (nothing there), got nan m at row 2, column 3", 0), 0U);
   for (float& depth : image.depth.values) depth = 0;
-  EXPECT_EQ(error({}), "expected a pixel with a depth above 0 m, got none");
+  EXPECT_EQ(error({}), "expected a pixel with a depth other than 0 m (nothing there), got none");
   image.depth = Array2D<float>(6, 7);
   EXPECT_EQ(error({}), "expected a depth for each of 8 × 6 pixels, got 7 × 6; make both pictures one size");
   image = make_depth_image(8, 6, 0.1_m);

@@ -296,6 +296,51 @@ TEST(LayersThatHide, LeaveTheNearSlicesLightAlone) {
   EXPECT_LT(relative_error(sum_layers(both, grid, layers_params(1e-3, 0, true)), sum_exact(card, grid)), 1e-3);
 }
 
+// Every third wave converges in front of the panel: the definition takes both.
+TEST_P(LayersOnPanel, TakeWavesOfBothSides) {
+  const auto [grid, depth] = GetParam();
+  Sources sources = make_waves_on_layers(60, grid, depth);
+  for (size_t i = 0; i < sources.waves.size(); i += 3) sources.waves[i].origin.z *= -1;
+  const FieldDouble exact = sum_exact(sources, grid);
+  for (const double tolerance : {1e-2, 1e-4})
+    EXPECT_LT(relative_error(synthesize(sources, grid, layers_params(tolerance, 6)), exact), tolerance);
+}
+
+// Depths of both sides in slices: none reaches through the panel, where the phase on the axis jumps by π.
+TEST(Layers, OfDepthsThroughThePanelHaveTheErrorStated) {
+  const Grid grid{128, 97, 8_um};
+  Sources sources = make_random_sources(300, grid, green, 0.2_m, 0.21_m);
+  for (size_t i = 0; i < sources.waves.size(); i += 2) sources.waves[i].origin.z *= -1;
+  Heard heard;
+  const double error =
+      relative_error(sum_layers(sources, grid, layers_params(1e-2), heard.observer()), sum_exact(sources, grid));
+  EXPECT_LT(error, 1e-2);
+  EXPECT_NEAR(error / heard.number("expected_depth_error"), 1, 3 * 0.5 / std::sqrt(300));
+  sum_layers(sources, grid, layers_params(1e-2, 1), heard.observer());
+  EXPECT_EQ(std::get<int64_t>(heard.facts.at("slices")), 2) << "one on each side";
+}
+
+// A card 20 mm in front of the panel is nearer to a viewer than the point behind it: where the card is, the light of the hologram is
+// dark. The point is not hidden by a card behind it, nor a point in front of the card by that.
+TEST(LayersThatHide, HideThroughThePanel) {
+  const Grid grid{256, 200, 8_um};
+  const auto light_on_card = [&](double card_z, double point_z, bool hides) {
+    Sources sources = make_card_before_point(-card_z, 0);
+    sources.waves[0].origin.z = point_z;
+    const Field there = propagate(sum_layers(sources, grid, layers_params(1e-3, 0, hides)), card_z);
+    double power = 0;  // 0.25 mm and more within the card's edges
+    for (int j = 0; j < there.grid.ny; ++j)
+      for (int i = 0; i < there.grid.nx; ++i)
+        if (std::abs(there.grid.x(i)) < 0.25_mm && std::abs(there.grid.y(j)) < 0.15_mm)
+          power += double(std::norm(there.samples(j, i)));
+    return power;
+  };
+  // What the panel of 2 mm cannot send of the shadow's edge, and what diffraction brings into it: below 1/(√2·π·v)² of the light for
+  // each of four edges, v = 0.25 mm·√(2/(λ·20 mm)) = 3.4: 1.8 % in all.
+  EXPECT_LT(light_on_card(20_mm, -0.12_m, true) / light_on_card(20_mm, -0.12_m, false), 0.018);
+  EXPECT_NEAR(light_on_card(20_mm, 60_mm, true) / light_on_card(20_mm, 60_mm, false), 1, 2e-3);
+}
+
 TEST(Layers, RefuseWhatTheyCannotSum) {
   const Grid grid{16, 12, 8_um};
   const auto error = [&](Sources sources, const SynthesizeParams& params) {
@@ -329,8 +374,7 @@ TEST(LayersOfSamples, AreCheckedBeforeTheyAreSummed) {
   EXPECT_EQ(error([](Layers& l) { l.slices.clear(); }), "expected at least one slice, got none");
   EXPECT_EQ(error([](Layers& l) { l.slices[0].light.z = -0.05; }),
             "expected slices from far to near, got slice 1 at 100 mm after one at 50 mm");
-  EXPECT_EQ(error([](Layers& l) { l.slices[1].light.z = 0; }),
-            "expected slice 1 behind the panel (z < 0), got z = 0 m");
+  EXPECT_EQ(error([](Layers& l) { l.slices[1].light.z = NAN; }), "expected slice 1 at a finite place, got z = nan m");
   EXPECT_EQ(error([](Layers& l) { l.slices[1].mask = Array2D<float>(3, 4); }),
             "expected a mask of 16 × 12 samples in slice 1, or none, got 4 × 3");
   EXPECT_EQ(error([](Layers& l) { l.slices[1].mask = Array2D<float>(12, 16, 1.5F); }),

@@ -10,6 +10,8 @@
 namespace holotrace {
 namespace {
 
+constexpr double in_the_panel = 1e-9;  // [m], where 0 would mean that nothing is there
+
 // The grey value of a pixel of a depth picture; such pictures often have three equal channels.
 float grey(const Image& image, int row, int column, const std::string& path) {
   const float value = image(row, column);
@@ -30,11 +32,14 @@ DepthImage load_depth_image(const std::string& picture_path, const std::string& 
             "{}: expected no near, far and scale with a depth EXR, which has metres, got {} and {}", depth_path,
             format_length(near), format_length(far));
   else
-    require(
-        near > 0 && far > 0 && near != far && std::isfinite(near) && std::isfinite(far),
-        "{}: expected two different depths above 0 m of its white and black, got near {} and far {}; give --near and "
-        "--far",
-        depth_path, format_length(near), format_length(far));
+    require(near != far && std::isfinite(near) && std::isfinite(far),
+            "{}: expected two different depths of its white and black, got near {} and far {}; give --near and --far",
+            depth_path, format_length(near), format_length(far));
+  require(
+      scale == DepthScale::depth || near * far > 0,
+      "{}: expected near and far on one side of the panel with the disparity, the inverse of the depth, got {} and {}; use the scale "
+      "depth",
+      depth_path, format_length(near), format_length(far));
   DepthImage image;
   image.picture = load_image(picture_path);
   const Image depth = load_image(depth_path, ImageContent::depth);
@@ -46,9 +51,8 @@ DepthImage load_depth_image(const std::string& picture_path, const std::string& 
     for (int i = 0; i < depth.nx; ++i) {
       const double value = grey(depth, j, i, depth_path);
       const double inverse = 1 / far + (1 / near - 1 / far) * value;
-      image.depth(j, i) = float(has_metres                       ? value
-                                : scale == DepthScale::disparity ? 1 / inverse
-                                                                 : far + (near - far) * value);
+      const double metres = scale == DepthScale::disparity ? 1 / inverse : far + (near - far) * value;
+      image.depth(j, i) = float(has_metres ? value : metres == 0 ? in_the_panel : metres);
     }
   leave_out_empty_pixels(image);
   try {

@@ -122,7 +122,7 @@ Grid grid_of(const Image& picture, double pixel, double reach, const Grid& panel
 std::vector<double> depths_of(const DepthImage& image) {
   std::vector<double> depths;
   for (const float depth : image.depth.values)
-    if (depth > 0) depths.push_back(depth);
+    if (depth != 0) depths.push_back(depth);
   std::sort(depths.begin(), depths.end());
   depths.erase(std::unique(depths.begin(), depths.end()), depths.end());
   return depths;
@@ -131,7 +131,10 @@ std::vector<double> depths_of(const DepthImage& image) {
 // Sorts depths into slices; see slice.h for the error. The light is taken as even and spreading from the axis.
 DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, const LightInCone& light,
                       const SynthesizeParams& synthesis, const Observer& observer) {
-  const double per_metre = depth_error_per_metre(0, 0, depths.front(), panel, light.wavelength, light.cone_wavelength);
+  const double nearest = std::abs(*std::min_element(
+      depths.begin(), depths.end(), [](double one, double other) { return std::abs(one) < std::abs(other); }));
+  const double per_metre =
+      depth_error_per_metre(0, 0, std::max(nearest, panel.pitch), panel, light.wavelength, light.cone_wavelength);
   const double by_tolerance = 2 * depth_share * synthesis.tolerance / per_metre;
   const auto thickness_at = [&](double depth) { return std::max(by_tolerance, depth_of_focus(depth, panel, light)); };
   DepthSlices found =
@@ -152,7 +155,7 @@ Array2D<int32_t> assign_pixels(const DepthImage& image, const std::vector<double
   Array2D<int32_t> slice_of(image.depth.ny, image.depth.nx, -1);
   for (size_t i = 0; i < image.depth.size(); ++i) {
     const double depth = image.depth.values[i];
-    if (depth > 0)
+    if (depth != 0)
       slice_of.values[i] =
           slice_of_depth[size_t(std::lower_bound(depths.begin(), depths.end(), depth) - depths.begin())];
   }
@@ -202,6 +205,11 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const L
   check_depth_image(image);
   check_params(params, synthesis);
   const std::vector<double> depths = depths_of(image);
+  require(
+      params.projection == Projection::orthographic || depths.front() > 0,
+      "expected depths behind the panel with the projection perspective, whose rays leave the panel's centre, got {}; "
+      "use orthographic",
+      format_length(depths.front()));
   const DepthSlices found = slices_of(depths, panel, light, synthesis, observer);
   const auto shared = std::make_shared<Slicing>(Slicing{image,
                                                         Light(image.picture, wavelength),
@@ -216,7 +224,7 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const L
                                                         {}});
   for (const DepthSlice& slice : found.slices) {
     shared->depths.push_back(slice.depth);
-    const double reach = box_radius(slice.depth, wavelength, panel.pitch);
+    const double reach = box_radius(std::abs(slice.depth), wavelength, panel.pitch);
     shared->grids.push_back(grid_of(image.picture, shared->placing.pixel_at(slice.depth), reach, panel));
     check_field_fits(shared->grids.back(), sizeof(Complex));
   }

@@ -17,7 +17,7 @@ struct LightInCone {
   double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
 };
 
-/// Range of depths that look equally sharp through the whole panel: λ/NA² at a depth d, within which a wave front is off
+/// Range of depths that look equally sharp through the whole panel: λ/NA² at a depth d on either side of it, within which a wave front is off
 /// by at most a quarter of a wavelength (Rayleigh). NA is the sine of the angle from the axis to the panel's farther edge,
 /// or of its cone where that is less.
 double depth_of_focus(double depth, const Grid& panel, const LightInCone& light);
@@ -28,7 +28,7 @@ double depth_of_focus(double depth, const Grid& panel, const LightInCone& light)
 /// (radiance_at of its channels), bilinear between pixels and averaged over pixels finer than samples;
 /// depths are those of the nearest pixel, so that edges stay sharp. Orthographic: the picture is params.width wide at
 /// every depth. Perspective: a pixel lies on the ray from the panel's centre through it, params.field_of_view to the
-/// middle of either side of the picture. Pixels are square. Random phases are 2π·u(seed, frame, sample), one for each
+/// middle of either side of the picture, which lies behind the panel. Pixels are square. Random phases are 2π·u(seed, frame, sample), one for each
 /// sample and slice.
 ///
 /// Such light fills the band of the samples evenly. If it keeps to a narrower cone, asin(λc/2p) instead of asin(λ/2p),
@@ -41,7 +41,8 @@ double depth_of_focus(double depth, const Grid& panel, const LightInCone& light)
 /// @param image  must outlive the stack
 /// Facts: `slice_thickness_m`, `largest_depth_error`.
 /// @throws Error  as check_depth_image does; for a phase that is neither random nor constant, a width or angle below 0,
-///                and a picture whose slices hold no sample
+///                a picture whose slices hold no sample, and
+///                perspective light in front of the panel
 SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
                              const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
                              const Observer& observer = {});

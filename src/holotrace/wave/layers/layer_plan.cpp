@@ -28,6 +28,7 @@ double frequency_of(double offset, double depth, double wavelength) {
 
 // Largest offset of light in a taper along its axis: more than `end` for light oblique along the other axis too.
 double reach_of(const Taper& taper, const Taper& other, double depth, double wavelength, double pitch) {
+  if (depth == 0) return 0;
   const double radius = box_radius(depth, wavelength, pitch);
   const auto end_of = [&](const Taper& t) { return std::isfinite(t.end) ? t.end : radius; };
   const double margin = std::isfinite(taper.end) ? 0 : ringing_margin * std::sqrt(wavelength * depth);
@@ -74,8 +75,8 @@ LayerWindow plan_window(const std::vector<PlannedSlice>& slices, const Grid& pan
     return std::isfinite(taper.end) ? frequency_of(taper.end, depth, wavelength) : nyquist;
   };
   for (const PlannedSlice& s : slices) {
-    width = std::max(width, s.span_x + reach_of(s.x, s.y, s.depth, wavelength, panel.pitch));
-    height = std::max(height, s.span_y + reach_of(s.y, s.x, s.depth, wavelength, panel.pitch));
+    width = std::max(width, s.span_x + reach_of(s.x, s.y, std::abs(s.depth), wavelength, panel.pitch));
+    height = std::max(height, s.span_y + reach_of(s.y, s.x, std::abs(s.depth), wavelength, panel.pitch));
     highest_u = std::max(highest_u, highest(s.x, s.depth));
     highest_v = std::max(highest_v, highest(s.y, s.depth));
   }

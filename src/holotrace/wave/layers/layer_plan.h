@@ -19,8 +19,9 @@ double taper_steepness(double tolerance);
 
 /// What the taper of a slice depends on, along one axis.
 struct SliceLight {
-  double depth = 0, wavelength = 0, pitch = 0;  ///< [m]; pitch of the panel
-  double span = 0;                              ///< largest offset of its light to a pixel of the panel [m]
+  double depth = 0, wavelength = 0,
+         pitch = 0;         ///< [m]; depth on either side of the panel, 0 or more, and the panel's pitch
+  double span = 0;          ///< largest offset of its light to a pixel of the panel [m]
   double radius = 0;        ///< half side of what a point's light covers on the panel [m], at most box_radius
   double steepness = 0;     ///< taper_steepness
   bool is_carried = false;  ///< carried from slice to slice
@@ -47,7 +48,7 @@ Taper taper_of_raster(const SliceLight& slice);
 
 /// A slice, as needed to plan the window.
 struct PlannedSlice {
-  double depth = 0;
+  double depth = 0;  ///< behind the panel, below 0 in front of it [m]
   /// Largest offset between its light and a pixel or, if slices hide, also the slices on its way [m].
   double span_x = 0, span_y = 0;
   Taper x, y;

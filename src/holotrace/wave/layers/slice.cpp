@@ -26,8 +26,11 @@ DepthSlices slice_in_order(const std::vector<double>& depths, const std::vector<
   for (size_t begin = 0; begin < order.size();) {
     const double farthest = depths[order[begin]];
     size_t end = begin;
-    while (end < order.size() && (end == begin || farthest - depths[order[end]] <= thickness_at(depths[order[end]])))
-      ++end;
+    const double most = thickness_at(farthest);
+    const auto belongs = [&](double depth) {
+      return (farthest > 0) == (depth > 0) && farthest - depth <= std::min(most, thickness_at(depth));
+    };
+    while (end < order.size() && (end == begin || belongs(depths[order[end]]))) ++end;
     const double nearest = depths[order[end - 1]];
     DepthSlice slice{(farthest + nearest) / 2, {order.begin() + int64_t(begin), order.begin() + int64_t(end)}};
     std::sort(slice.members.begin(), slice.members.end());
@@ -87,7 +90,7 @@ DepthSlices slice_depths_into(const std::vector<double>& depths, int count) {
 
 double depth_error_per_metre(double x, double y, double depth, const Grid& panel, double wavelength,
                              double cone_wavelength) {
-  const double radius = box_radius(depth, cone_wavelength > 0 ? cone_wavelength : wavelength, panel.pitch);
+  const double radius = box_radius(std::abs(depth), cone_wavelength > 0 ? cone_wavelength : wavelength, panel.pitch);
   const Lit across = lit(x, radius, panel.width()), down = lit(y, radius, panel.height());
   if (across.length() == 0 || down.length() == 0) return 0;
   // ⟨(x² + y²)²⟩ = ⟨x⁴⟩ + 2⟨x²⟩⟨y²⟩ + ⟨y⁴⟩ over a rectangle
@@ -106,7 +109,7 @@ SlicedSources slice_sources(const Sources& sources, const Grid& panel, int slice
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const Source& s = sources.waves[i];
     const double x = s.origin.x - panel.centre_x, y = s.origin.y - panel.centre_y, depth = -s.origin.z;
-    const double radius = box_radius(depth, sources.acceptance_wavelength(), panel.pitch),
+    const double radius = box_radius(std::abs(depth), sources.acceptance_wavelength(), panel.pitch),
                  area = lit_area(x, y, radius, panel);
     if (area == 0) continue;
     waves.push_back(uint32_t(i));

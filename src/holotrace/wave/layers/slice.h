@@ -12,7 +12,7 @@ namespace holotrace {
 
 /// One slice of depth and what is put into it.
 struct DepthSlice {
-  double depth = 0;               ///< depth of its plane [m]: the middle of its waves' depths
+  double depth = 0;  ///< depth of its plane behind the panel, below 0 in front [m]: the middle of its waves'
   std::vector<uint32_t> members;  ///< indices of waves, ascending
 };
 
@@ -25,12 +25,12 @@ struct DepthSlices {
   double thickness = 0;            ///< thickness of the thickest slice: its largest less its smallest depth [m]
 };
 
-/// The fewest slices that hold all depths with none thicker than thickness_at(its nearest depth) [m]. Each slice starts
-/// at the farthest depth that is left.
+/// The fewest slices that hold all depths with none thicker than thickness_at(its farthest or nearest depth) [m]. Each slice starts
+/// at the farthest depth that is left; none reaches through the panel, from depths above 0 to others.
 DepthSlices slice_depths(const std::vector<double>& depths, const std::function<double(double depth)>& thickness_at);
 DepthSlices slice_depths(const std::vector<double>& depths, double thickness);
 
-/// The thinnest `count` slices that hold all depths; fewer slices if there are fewer depths.
+/// The thinnest `count` slices that hold all depths; fewer slices if there are fewer depths, and at least one on each side of the panel.
 DepthSlices slice_depths_into(const std::vector<double>& depths, int count);
 
 /// Error of a wave that is moved along z by δ while its phase on the axis is kept. At the panel its phase is off by
@@ -38,7 +38,7 @@ DepthSlices slice_depths_into(const std::vector<double>& depths, int count);
 ///     k·δ·(1 − cos θ) ≈ k·δ·ρ²/2d²          (1 − cos θ ≤ tan²θ/2 = ρ²/2d²)
 ///
 /// The rms over the pixels that it lights (the box of Eq. 14 on the panel) is k·δ·√⟨ρ⁴⟩/2d². This function returns it
-/// for δ = 1 m [rad/m], for a wave at depth d [m] and (x, y) from the panel's centre [m]; 0 if it lights no pixel.
+/// for δ = 1 m [rad/m], for a wave at depth d [m], of either sign, and (x, y) from the panel's centre [m]; 0 if it lights no pixel.
 double depth_error_per_metre(double x, double y, double depth, const Grid& panel, double wavelength,
                              double cone_wavelength = 0);
 

@@ -70,14 +70,14 @@ std::vector<PlannedSlice> plan_rasters(const SliceStack& stack, const Grid& pane
   const double steepness = taper_steepness(raster_tolerance);
   const double cone = stack.cone_wavelength > 0 ? stack.cone_wavelength : stack.wavelength;
   for (size_t m = 0; m < stack.depths.size(); ++m) {
-    const double radius = box_radius(stack.depths[m], cone, panel.pitch);
+    const double distance = std::abs(stack.depths[m]), radius = box_radius(distance, cone, panel.pitch);
     PlannedSlice s{stack.depths[m],
                    farthest(panel, stack.grids[m], false) + most_x,
                    farthest(panel, stack.grids[m], true) + most_y,
                    {},
                    {}};
-    s.x = taper_of_raster({s.depth, stack.wavelength, panel.pitch, s.span_x, radius, steepness, stack.has_masks});
-    s.y = taper_of_raster({s.depth, stack.wavelength, panel.pitch, s.span_y, radius, steepness, stack.has_masks});
+    s.x = taper_of_raster({distance, stack.wavelength, panel.pitch, s.span_x, radius, steepness, stack.has_masks});
+    s.y = taper_of_raster({distance, stack.wavelength, panel.pitch, s.span_y, radius, steepness, stack.has_masks});
     planned.push_back(s);
   }
   return planned;

@@ -36,7 +36,7 @@ struct Plan {
 
 void check_input(const Sources& sources, const Grid& grid, const SynthesizeParams& params) {
   check_grid(grid);
-  check_sources_behind(sources);
+  check_sources(sources);
   require(!has_astigmatic(sources), "expected spherical waves for layers, got astigmatic ones; synthesize takes both");
   check_ranges(params);
   require(sources.tiles.columns == 0,
@@ -63,9 +63,10 @@ std::vector<PlannedSlice> plan_slices(const DepthSlices& depth, const Sources& s
   }
   for (PlannedSlice& s : planned) {
     s.span_x += most_x, s.span_y += most_y;
-    const double radius = box_radius(s.depth, sources.acceptance_wavelength(), grid.pitch);
-    s.x = taper_of_points({s.depth, sources.wavelength, grid.pitch, s.span_x, radius, steepness, is_carried});
-    s.y = taper_of_points({s.depth, sources.wavelength, grid.pitch, s.span_y, radius, steepness, is_carried});
+    const double distance = std::abs(s.depth),
+                 radius = box_radius(distance, sources.acceptance_wavelength(), grid.pitch);
+    s.x = taper_of_points({distance, sources.wavelength, grid.pitch, s.span_x, radius, steepness, is_carried});
+    s.y = taper_of_points({distance, sources.wavelength, grid.pitch, s.span_y, radius, steepness, is_carried});
   }
   return planned;
 }
@@ -109,13 +110,15 @@ Plan make_plan(const Sources& sources, const Grid& grid, const SynthesizeParams&
   return plan;
 }
 
-// The waves of a slice as points of strength i·a·exp(i(k·d + φ)), which holds the phase at the panel on the axis.
+// The waves of a slice as points of strength ±i·a·exp(i(k·d + φ)), which holds the phase at the panel on the axis: + behind the panel,
+// − in front of it, where waves converge.
 std::vector<PointOnSlice> points_of(const DepthSlice& slice, const Sources& sources, const Grid& grid) {
   std::vector<PointOnSlice> points;
   points.reserve(slice.members.size());
   for (const uint32_t i : slice.members) {
     const Source& s = sources.waves[i];
-    const double cycles = cycle_fraction(-s.origin.z, sources.wavelength) + s.phase / (2 * pi) + 0.25;
+    const double cycles =
+        cycle_fraction(-s.origin.z, sources.wavelength) + s.phase / (2 * pi) + (s.origin.z < 0 ? 0.25 : -0.25);
     points.push_back({(s.origin.x - grid.x(0)) / grid.pitch, (grid.y(0) - s.origin.y) / grid.pitch,
                       Complex(double(s.amplitude) * cis_cycles(cycles))});
   }
@@ -163,7 +166,7 @@ void add_points(LayerSpectrum& spectrum, const std::vector<PointOnSlice>& points
   const SpreadAxis x = spread_axis(slice.x, slice.depth, spectrum.wavelength, width, plan, spectrum.reach_x);
   const SpreadAxis y = spread_axis(slice.y, slice.depth, spectrum.wavelength, height, plan, spectrum.reach_y);
   add_light(spectrum, spread_points(points, plan.kernel, spectrum.nx, spectrum.ny, x.samples, y.samples), x.weights,
-            y.weights, {distance, spectrum.wavelength * slice.depth / (width * height), true});
+            y.weights, {distance, spectrum.wavelength * std::abs(slice.depth) / (width * height), true});
 }
 
 }  // namespace

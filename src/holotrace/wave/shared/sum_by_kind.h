@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "holotrace/base/observer.h"
+#include "holotrace/base/merged_facts.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/data/triangles.h"
 
@@ -21,13 +21,16 @@ struct LightOfKind {
   bool is_mirrored;
 };
 
-/// The field of all kinds, at least one.
+/// The field of all kinds, at least one. The facts are those of all (merge_fact).
 /// @param sum  field of light of one kind: (const Light&, const Observer&) → a field with `samples`
 template <class Light, class Sum>
 auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Observer& observer, const Sum& sum) {
   std::optional<decltype(sum(kinds.front().light, observer))> field;
+  std::vector<std::pair<std::string, Fact>> facts;
   for (size_t i = 0; i < kinds.size(); ++i) {
-    auto of_kind = sum(kinds[i].light, part_of(observer, int(i), int(kinds.size())));
+    Observer watch = part_of(observer, int(i), int(kinds.size()));
+    watch.on_fact = [&](const std::string& name, const Fact& value) { merge_fact(facts, name, value); };
+    auto of_kind = sum(kinds[i].light, watch);
     auto& samples = of_kind.samples.values;
     if (kinds[i].is_mirrored)
       for (auto& u : samples) u = std::conj(u);
@@ -36,6 +39,8 @@ auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Observer& obs
                      [](const auto& a, const auto& b) { return a + b; });
     field = std::move(of_kind);
   }
+  if (observer.on_fact)
+    for (const auto& [name, value] : facts) observer.on_fact(name, value);
   return std::move(*field);
 }
 
