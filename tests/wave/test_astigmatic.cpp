@@ -388,6 +388,7 @@ TEST(AstigmaticWaves, AreForecastWithTheOthers) {
   const auto [behind, mirrored, astigmatic] = kinds_of(sources);
   for (const Sources* kind : {&behind, &mirrored}) sum += forecast_synthesis(*kind, grid, {}).seconds;
   EXPECT_GT(astigmatic.size(), 1u);  // groups
+  EXPECT_TRUE(behind.second_foci.empty() && mirrored.second_foci.empty()) << "or they would be summed by tiles only";
   for (const Sources& group : astigmatic) sum += forecast_synthesis(group, grid, {}).seconds;
   const SumForecast all = forecast_synthesis(sources, grid, {});
   EXPECT_NEAR(all.seconds / sum, 1, 1e-9);

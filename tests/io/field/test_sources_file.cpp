@@ -73,6 +73,9 @@ TEST(SourcesFile, SecondFociComeBackAsSaved) {
       error_of([&] { save_sources(path, sources); }),
       "expected the focal line of source 0 as a unit vector at right angles to the way from its origin to its second focus, "
       "got (0, 1, 1)");
+  sources.second_foci.front().line = {0, 0, 1};  // of length 1, but along the way
+  EXPECT_EQ(error_of([&] { save_sources(path, sources); }).rfind("expected the focal line of source 0 as a unit", 0),
+            0U);
 }
 
 TEST(SourcesFile, WrongKeysAndTilesAreRefused) {

@@ -232,6 +232,20 @@ TEST(Specular, ObliqueMirrorsHaveTheFocalLinesOfCoddington) {
     }
 }
 
+// The lines turn with the plane of incidence.
+TEST(Specular, FocalLinesLieAsTheMirrorIsTurned) {
+  for (const double turn : {25_deg, -70_deg}) {
+    Scene scene = make_oblique_mirror_scene(300_mm, 45_deg);
+    for (Mesh& mesh : scene.meshes) transform_mesh(rotation_z(turn), mesh);
+    const SpecularLeaf leaf = leaf_of(scene, {{}, {0, 0, -1}}, "r");
+    ASSERT_TRUE(leaf.lines.has_value());
+    const auto [tangential, sagittal] = images_by_coddington(300_mm, 45_deg);
+    const Vec3 in_plane{std::cos(turn), std::sin(turn), 0}, across{-std::sin(turn), std::cos(turn), 0};
+    EXPECT_NEAR(std::abs(dot(leaf.lines->line, std::abs(tangential) > std::abs(sagittal) ? across : in_plane)), 1,
+                1e-4);
+  }
+}
+
 // A lens that is flat behind and round along x in front, R = 30 mm, n = 1.5, 4 mm thick. With V = (n − 1)/R − n/(na + t) for an object
 // a behind it, 1/V is the distance of the image across the cylinder; along it the glass lifts it to (na + t)/n.
 TEST(Specular, ACylinderLensHasTwoFocalLines) {
@@ -431,6 +445,22 @@ TEST(Specular, WavesKeepTheirPathsPhaseWhereTheRayMeetsThePanel) {
   const auto expected = std::polar(1.0, double(std::fmod(k * leaf.optical_path, 2 * pi)) + leaf.phase.x + surface);
   const auto made = std::polar(1.0, double(std::fmod(k * length(wave.origin), 2 * pi)) + wave.phase);
   EXPECT_NEAR(std::abs(expected - made), 0, 1e-6);  // the wave's phase is a float: 2e-7, and cycles in double 1e-9
+}
+
+// The same for a wave with two focal lines, whose phase counts from the first.
+TEST(Specular, AstigmaticWavesKeepTheirPathsPhaseWhereTheRayMeetsThePanel) {
+  const Scene scene = make_oblique_mirror_scene(300_mm, 45_deg);
+  const TraceParams params{
+      .columns = 1, .rows = 1, .field_of_view = 0.002, .paths = 1, .phase = SourcePhase::path, .grain = 1.0};
+  const Sources sources = trace(scene, {128, 128, 8e-6}, green_light, params);
+  ASSERT_EQ(sources.second_foci.size(), 1u);
+  const SpecularLeaf leaf = leaf_of(scene, {{}, {0, 0, -1}}, "r");
+  const long double k = 2 * pi / (long double)green_light;
+  const double surface = random_phase(1, 0, sources.phase_keys.at(0));
+  const auto expected = std::polar(1.0, double(std::fmod(k * leaf.optical_path, 2 * pi)) + leaf.phase.x + surface);
+  const double path = AstigmaticWave(sources.waves[0].origin, sources.second_foci[0]).at({}).path;
+  const auto made = std::polar(1.0, double(std::fmod(k * path, 2 * pi)) + sources.waves[0].phase);
+  EXPECT_NEAR(std::abs(expected - made), 0, 1e-6);
 }
 
 TEST(Specular, OtherPhasesKeepTheFirstHitAsOrigin) {
