@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "holotrace/data/acceptance.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/pipeline.h"
@@ -291,6 +292,20 @@ Job squares_for_an_eye() {
   job.encode.pupil = 5e-4;
   job.encode.eyebox = {"0.2 mm"};
   return with_eyes(job);
+}
+
+// From an eye near the panel the plane goes on beyond the rays that the panel can send: of the wall 20 mm behind the panel a pupil 4 mm
+// before it sees (20 + 4) mm·tan θ around each of its places, θ the steepest of the panel's rays.
+TEST(SceneTargets, AnEyeNearThePanelSeesWhatItsRaysReach) {
+  Job job = squares_for_an_eye();
+  job.encode.eye = {0, 0, 4e-3};
+  const double distance = 20e-3, aside = (0.2e-3 + 0.5e-3 / 6 + 0.5e-3) / 2;
+  const LightField light = trace_eye_light(job, distance, RenderParams{.paths = 1}).front().light;
+  const double reach = aside + (distance + 4e-3) * acceptance_tangent(test_wavelength, test_pitch);
+  const double through_panel = job.slm.grid.width() * (distance + 4e-3) / 4e-3 + 2 * aside * distance / 4e-3;
+  ASSERT_GT(through_panel, 3 * reach);
+  EXPECT_GE(light.plane.width(), 2 * reach) << "rays along an axis; those across both are a little steeper";
+  EXPECT_LE(light.plane.width(), 2 * reach * 1.01);
 }
 
 // Pupils of F frames are at r = R·√v·(√v)^(2/F) from the eye, v even in 0 … 1: 1/2.5 of R in the mean for one frame, 2/3 for very

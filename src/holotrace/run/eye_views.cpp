@@ -21,6 +21,8 @@
 namespace holotrace {
 namespace {
 
+constexpr double many_pixels = 2e8;  // of views for an eye: more are warned of
+
 // The box that pupils are drawn from: a little larger than the eyebox, since places at its edge have neighbours on one side only.
 Eyebox drawn_box(const EncodeParams& params) {
   Eyebox box = eyebox_of(params);
@@ -36,10 +38,17 @@ PlanePart covered_part(const Vec3& eye, const EncodeParams& params) {
   return {{eye.x - across, eye.y - down}, {eye.x + across, eye.y + down}};
 }
 
-// Width and height about the axis of what a pupil somewhere in that part sees of the plane at a distance.
-Vec2 seen_size(const Grid& panel, const PlanePart& part, double z, double distance) {
+// Width and height about the axis of what a pupil somewhere in that part sees of the plane at a distance: through the panel, by rays
+// that it can send.
+Vec2 seen_size(const Job& job, const PlanePart& part, double z, double distance) {
+  const Grid& panel = job.slm.grid;
+  const double sine = acceptance_sine(view_wavelength(job.wavelengths, job.trace.has_common_cone), panel.pitch);
+  const double other = 1 - 2 * sine * sine;  // squared cosine of rays as steep along both axes
+  const double steepest = other > 0 ? sine / std::sqrt(other) : HUGE_VAL;
   const auto side = [&](double panel_side, double low, double high) {
-    return panel_side * (distance + z) / z + 2 * std::max(std::abs(low), std::abs(high)) * std::abs(distance) / z;
+    const double aside = std::max(std::abs(low), std::abs(high));
+    const double through_panel = panel_side * (distance + z) / z + 2 * aside * std::abs(distance) / z;
+    return std::min(through_panel, 2 * (aside + (distance + z) * steepest));
   };
   return {side(panel.width(), part.low.x, part.high.x), side(panel.height(), part.low.y, part.high.y)};
 }
@@ -57,7 +66,7 @@ ViewTargets view_from(const EyeLight& eye, const Job& job, double distance, doub
   const Grid& panel = job.slm.grid;
   const PlanePart part = covered_part(eye.eye, job.encode);
   const Pupil pupil{middle, pupil_of(job.encode)};
-  const Vec2 seen = seen_size(panel, part, eye.eye.z, distance);
+  const Vec2 seen = seen_size(job, part, eye.eye.z, distance);
   return views_of(eye.light, job, distance, wavelength, {pupil}, pupil_window_grid(panel, part),
                   picture_grid(panel, seen.x, seen.y, pupil, wavelength, -distance));
 }
@@ -78,10 +87,16 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
     field.lens = {field.columns, field.rows, cell, eye.x, eye.y};
     field.lens_z = eye.z;
     field.distance = distance;
-    const Vec2 seen = seen_size(job.slm.grid, part, eye.z, distance);
+    const Vec2 seen = seen_size(job, part, eye.z, distance);
     const double pixel =
         *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + eye.z) / (4 * diameter);
     field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
+    const double pixels = double(field.plane.pixels()) * field.columns * field.rows;
+    if (pixels > many_pixels)
+      observer.warn(fmt::format(
+          "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {:.1f} GB in all, and take "
+          "minutes; a smaller eyebox or pupil needs fewer, and so does an eye farther from the panel",
+          format_length(eye.z), field.plane.nx, field.plane.ny, field.columns, field.rows, 12e-9 * pixels));
     RenderParams of_eye = params;
     const double area = field.lens.width() * field.lens.height();
     of_eye.paths = std::max(1, int(std::lround(paths_per_pixel(params) * area / (pi / 4 * diameter * diameter))));
