@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "holotrace/base/pack.h"
-#include "holotrace/data/sources.h"
+#include "holotrace/base/archive.h"
+#include "holotrace/data/members.h"
 #include "holotrace/wave/bands.h"
 #include "plan_rates.h"
 #include "rank_tags.h"
@@ -33,30 +33,5 @@ struct BandOrder {
   uint64_t index = 0;
   Band band;
 };
-
-inline std::string pack_set(const Sources& set) {
-  std::string bytes;
-  pack(bytes, set.wavelength);
-  pack(bytes, set.cone_wavelength);
-  pack(bytes, set.tiles.columns);
-  pack(bytes, set.tiles.rows);
-  pack(bytes, set.waves);
-  pack(bytes, set.second_foci);
-  pack(bytes, set.tiles.values);
-  return bytes;
-}
-
-inline Sources unpack_set(const std::string& bytes) {
-  Sources set;
-  Unpacker unpacker(bytes);
-  unpacker.get(set.wavelength);
-  unpacker.get(set.cone_wavelength);
-  unpacker.get(set.tiles.columns);
-  unpacker.get(set.tiles.rows);
-  unpacker.get(set.waves);
-  unpacker.get(set.second_foci);
-  unpacker.get(set.tiles.values);
-  return set;
-}
 
 }  // namespace holotrace

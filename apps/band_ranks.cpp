@@ -17,11 +17,9 @@ void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
   const int piece = std::max(1, int((4 << 20) / (sizeof(std::complex<float>) * size_t(field.grid.nx))));
   for (int row = 0; row < field.grid.ny; row += piece) {
     const int rows = std::min(piece, field.grid.ny - row);
-    std::string bytes;
-    pack(bytes, RowsHead{order.index, order.band.first_row + row, rows});
     const std::complex<float>* from = field.samples.row(row);
-    pack(bytes, std::vector<std::complex<float>>(from, from + size_t(rows) * size_t(field.grid.nx)));
-    ranks.send(0, tag_rows, bytes);
+    const std::vector<std::complex<float>> samples(from, from + size_t(rows) * size_t(field.grid.nx));
+    ranks.send(0, tag_rows, to_message(RowsHead{order.index, order.band.first_row + row, rows}, samples));
   }
 }
 
@@ -29,9 +27,9 @@ void send_rows(const Ranks& ranks, const BandOrder& order, const Field& field) {
 
 void serve_bands(const Ranks& ranks, const Ranks::Message& job) {
   JobHead head;
-  Unpacker(job.bytes).get(head);
-  std::vector<Sources> sets;
-  while (int(sets.size()) < head.sets) sets.push_back(unpack_set(ranks.receive().bytes));
+  from_message(job.bytes, head);
+  std::vector<Sources> sets(size_t(head.sets));
+  for (Sources& set : sets) from_message(ranks.receive().bytes, set);
   const int threads = head.threads > 0 ? head.threads : ranks.threads();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   go_by(head.rates);
@@ -44,11 +42,9 @@ void serve_bands(const Ranks& ranks, const Ranks::Message& job) {
   ranks.send(0, tag_ready);
   for (Ranks::Message message = ranks.receive(); message.tag == tag_band; message = ranks.receive()) {
     BandOrder order;
-    Unpacker(message.bytes).get(order);
+    from_message(message.bytes, order);
     send_rows(ranks, order, synthesize_band(sets[size_t(order.band.set)], head.panel, order.band, params));
-    std::string done;
-    pack(done, order.index);
-    ranks.send(0, tag_finished, done);
+    ranks.send(0, tag_finished, to_message(order.index));
   }
 }
 

@@ -172,36 +172,31 @@ void open_files(Work& work) {
 
 void send_job(const Work& work, const Ranks& ranks) {
   const BandedField& job = work.job;
-  std::string head;
-  pack(head, JobHead{job.panel, job.params.method, job.params.tolerance, job.params.device, job.threads,
-                     int32_t(job.sets.size()), plan_rates(job.params.device)});
+  const std::string head = to_message(JobHead{job.panel, job.params.method, job.params.tolerance, job.params.device,
+                                              job.threads, int32_t(job.sets.size()), plan_rates(job.params.device)});
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_job, head);
   for (const Sources& set : job.sets) {
-    const std::string bytes = pack_set(set);
+    const std::string bytes = to_message(set);
     for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_set, bytes);
   }
 }
 
 void hear(Work& work, const Ranks& ranks, const Ranks::Message& message, int& working) {
-  Unpacker unpacker(message.bytes);
   if (message.tag == tag_failed) throw Error(message.bytes);
   if (message.tag == tag_rows) {
     RowsHead head;
-    unpacker.get(head);
     std::vector<std::complex<float>> samples;
-    unpacker.get(samples);
+    from_message(message.bytes, head, samples);
     work.write(head.band, head.first_row, head.rows, samples.data());
     return;
   }
   if (message.tag == tag_finished) {
     uint64_t band = 0;
-    unpacker.get(band);
+    from_message(message.bytes, band);
     work.finish(band);
   }
-  std::string order;
   if (const std::optional<size_t> band = work.take()) {
-    pack(order, BandOrder{*band, work.bands[*band]});
-    ranks.send(message.from, tag_band, order);
+    ranks.send(message.from, tag_band, to_message(BandOrder{*band, work.bands[*band]}));
   } else {
     --working;
   }

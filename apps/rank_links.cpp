@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/pack.h"
 #include "holotrace/slm/encode/iterate/shared_frames.h"
 #include "interrupts.h"
 #include "rank_tags.h"
@@ -17,8 +17,7 @@ namespace holotrace {
 void RankLinks::send(int to, const std::string& bytes) {
   if (ranks_.rank() == 0 && !ranks_.others_work) {
     ranks_.others_work = true;
-    std::string threads;
-    pack(threads, int32_t(threads_));
+    const std::string threads = to_message(int32_t(threads_));
     for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, tag_frames, threads);
   }
   ranks_.send(to, tag_link, bytes);
@@ -44,7 +43,7 @@ bool RankLinks::has_job() {
 
 void serve_frames(Ranks& ranks, const Ranks::Message& first) {
   int32_t threads = 0;
-  Unpacker(first.bytes).get(threads);
+  from_message(first.bytes, threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   size_t(threads > 0 ? threads : ranks.threads()));
   ignore_interrupts();  // rank 0 saves, and ends all ranks

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "archive_nouns.h"
+#include "pickles.h"
 
 namespace holotrace::python {
 

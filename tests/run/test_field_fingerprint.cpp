@@ -56,6 +56,9 @@ TEST(FieldFingerprint, DiffersWithAllThatTheFieldDependsOn) {
       [](Described& d) {
         d.set.tiles = {1, 2, {1, 2, 3, 5}};
       },
+      [](Described& d) {
+        d.set.second_foci = {{}, {{0, 0, -0.3}, {1, 0, 0}}};
+      },
   };
   std::set<uint64_t> numbers;
   for (const auto& change : changes) {

@@ -2,28 +2,30 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <type_traits>
+
+#include "holotrace/base/archive.h"
 
 namespace holotrace {
 
-/// A number that identifies a series of values: FNV-1a. Different series have different numbers except by chance; it
+/// A number that identifies a series of values: FNV-1a of their bytes. Different series have different numbers except by chance; it
 /// does not protect against intent.
-class Fingerprint {
+class FnvHash {
  public:
-  void add(const void* bytes, size_t size) {
+  void put(const void* bytes, size_t size) {
     for (size_t i = 0; i < size; ++i) value_ = (value_ ^ static_cast<const unsigned char*>(bytes)[i]) * 1099511628211u;
   }
-  template <class Value>
-  void add(const Value& value) {
-    static_assert(std::has_unique_object_representations_v<Value> || std::is_floating_point_v<Value>);
-    add(&value, sizeof value);
-  }
-  void add_text(const std::string& text) { add(text.data(), text.size() + 1); }
   uint64_t value() const { return value_; }
 
  private:
   uint64_t value_ = 14695981039346656037u;
 };
+
+/// The fingerprint of values, which may have no padding between their members.
+template <class... Values>
+uint64_t fingerprint_of(const Values&... values) {
+  BasicWriter<FnvHash> writer;
+  writer(values...);
+  return writer.sink.value();
+}
 
 }  // namespace holotrace

@@ -29,18 +29,12 @@ std::string path_in_cache(const std::string& name) {
   return folder + "/" + name;
 }
 
-std::string path_of(const std::string& key) {
-  Fingerprint fingerprint;
-  fingerprint.add_text(key);
-  return path_in_cache(fmt::format("{:016x}.bin", fingerprint.value()));
-}
+std::string path_of(const std::string& key) { return path_in_cache(fmt::format("{:016x}.bin", fingerprint_of(key))); }
 
 // Different keys may have the same fingerprint, so a file begins with its key. Drivers abort on damaged programs, so the
 // fingerprint of the program follows.
 std::string head_of(const std::string& key, const std::string& binary) {
-  Fingerprint fingerprint;
-  fingerprint.add(binary.data(), binary.size());
-  return fmt::format("{}\n{}\n{:016x}\n", key.size(), key, fingerprint.value());
+  return fmt::format("{}\n{}\n{:016x}\n", key.size(), key, fingerprint_of(binary));
 }
 
 }  // namespace

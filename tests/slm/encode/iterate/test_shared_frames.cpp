@@ -10,6 +10,8 @@
 #include <string>
 #include <thread>
 
+#include "holotrace/base/archive.h"
+#include "holotrace/data/members.h"
 #include "holotrace/slm/encode/iterate/descent_device.h"
 #include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/frame_messages.h"
@@ -88,8 +90,8 @@ FrameJob job_of(const DescentCase& one) { return {one.slm, one.params, one.start
 
 // What another process makes of a job.
 FrameJob heard_by_another(const FrameJob& sent) {
-  FrameJob heard = unpack_job(pack_job(sent));
-  for (size_t m = 0; m < heard.frames.size(); ++m) unpack_frame(pack_frame(sent.frames[m]), heard.frames[m]);
+  FrameJob heard = job_from(job_message(sent));
+  for (size_t m = 0; m < heard.frames.size(); ++m) from_message(frame_message(sent.frames[m]), heard.frames[m]);
   return heard;
 }
 
@@ -337,7 +339,7 @@ TEST(SharedFrames, StopWithTheErrorOfAnother) {
   DescentCase one{"two frames", 2};
   int orders = 0;
   ThreadLinks links(2, [&](ProcessLinks& there) {
-    unpack_job(there.receive(0));
+    job_from(there.receive(0));
     while (++orders < 4) there.receive(0);
     fail("expected this process to work, but it does not");
   });

@@ -20,16 +20,15 @@ namespace holotrace {
 struct FrameJob {
   Slm slm;
   EncodeParams params;
-  std::vector<Hologram> frames;  ///< levels, modulation and wavelength
+  std::vector<Hologram> frames;  ///< each follows in a message of its own, without its panel
   size_t frames_of_all = 0;
 };
 
-/// The job without its frames; those that are unpacked are as many, and empty.
-std::string pack_job(const FrameJob& job);
-FrameJob unpack_job(const std::string& bytes);
+std::string job_message(const FrameJob& job);
+/// With as many frames, which are empty.
+FrameJob job_from(const std::string& message);
 
-std::string pack_frame(const Hologram& frame);
-void unpack_frame(const std::string& bytes, Hologram& frame);
+std::string frame_message(Hologram frame);
 
 /// The functions of FrameArrays and ColourLight, in another process.
 enum class FrameOrder : int32_t {
@@ -59,8 +58,5 @@ struct FrameOrderMessage {
   PanelDetail detail{};
   DriveStep step{};
 };
-
-std::string pack_views(const ViewTargets& views);
-ViewTargets unpack_views(const std::string& bytes);
 
 }  // namespace holotrace

@@ -3,8 +3,9 @@
 #include <deque>
 #include <utility>
 
+#include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/pack.h"
+#include "holotrace/data/members.h"
 #include "holotrace/slm/encode/iterate/descent_device.h"
 #include "holotrace/slm/encode/iterate/device_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_messages.h"
@@ -14,13 +15,6 @@
 namespace holotrace {
 namespace {
 
-template <class Value>
-void send_array(ProcessLinks& links, const Array2D<Value>& array) {
-  std::string bytes;
-  pack(bytes, array);
-  links.send(0, bytes);
-}
-
 // Process 0 adds up, and hands out.
 class ExchangeOfOthers : public MeanExchange {
  public:
@@ -29,15 +23,12 @@ class ExchangeOfOthers : public MeanExchange {
   bool is_first() const override { return false; }
 
   void add_up(float* values, size_t count) override {
-    std::string bytes;
-    pack(bytes, std::vector<float>(values, values + count));
-    links_.send(0, bytes);
+    links_.send(0, to_message(std::vector<float>(values, values + count)));
   }
 
   void hand_out(float* values, size_t count) override {
-    const std::string bytes = links_.receive(0);
     std::vector<float> received;
-    Unpacker(bytes).get(received);
+    from_message(links_.receive(0), received);
     require(received.size() == count, "expected {} values from rank 0, got {}", count, received.size());
     std::copy(received.begin(), received.end(), values);
   }
@@ -91,17 +82,14 @@ void send_levels(Member& member) {
   std::vector<Hologram>& frames = member.job.frames;
   member.arrays->write(frames);
   for (const Hologram& frame : frames) {
-    send_array(member.links, frame.level);
-    send_array(member.links, frame.modulus_level);
+    member.links.send(0, to_message(frame.level));
+    member.links.send(0, to_message(frame.modulus_level));
   }
 }
 
 void take_state(Member& member) {
   std::vector<Array2D<float>> state(arrays_of_state(member.job.frames));
-  for (Array2D<float>& array : state) {
-    const std::string bytes = member.links.receive(0);
-    Unpacker(bytes).get(array);
-  }
+  for (Array2D<float>& array : state) from_message(member.links.receive(0), array);
   member.arrays->restore(state);
 }
 
@@ -126,7 +114,7 @@ void obey(Member& member, const FrameOrderMessage& message) {
       colour().light->add_gradient(message.plane, message.group, message.scale, message.factor);
       return;
     case FrameOrder::view_sums:
-      colour().views = unpack_views(member.links.receive(0));
+      from_message(member.links.receive(0), colour().views);
       colour().light->view_sums(colour().views, message.is_kept);
       return;
     case FrameOrder::add_gradient_of_views:
@@ -135,7 +123,7 @@ void obey(Member& member, const FrameOrderMessage& message) {
     case FrameOrder::write:
       return send_levels(member);
     case FrameOrder::state:
-      for (const Array2D<float>& array : arrays.state()) send_array(member.links, array);
+      for (const Array2D<float>& array : arrays.state()) member.links.send(0, to_message(array));
       return;
     case FrameOrder::restore:
       return take_state(member);
@@ -147,12 +135,11 @@ void obey(Member& member, const FrameOrderMessage& message) {
 }  // namespace
 
 void find_frames_of_others(ProcessLinks& links) {
-  Member member{links, unpack_job(links.receive(0))};
-  for (Hologram& frame : member.job.frames) unpack_frame(links.receive(0), frame);
+  Member member{links, job_from(links.receive(0))};
+  for (Hologram& frame : member.job.frames) from_message(links.receive(0), frame);
   make_arrays(member);
   for (FrameOrderMessage message; message.order != FrameOrder::end;) {
-    const std::string bytes = links.receive(0);
-    Unpacker(bytes).get(message);
+    from_message(links.receive(0), message);
     obey(member, message);
   }
 }

@@ -3,24 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/pack.h"
+#include "holotrace/data/members.h"
 #include "holotrace/slm/encode/iterate/frame_messages.h"
 
 namespace holotrace {
 namespace {
 
-std::string packed(const FrameOrderMessage& message) {
-  std::string bytes;
-  pack(bytes, message);
-  return bytes;
-}
-
 template <class Value>
 void receive_array(ProcessLinks& links, int from, Array2D<Value>& array) {
-  const std::string bytes = links.receive(from);
   Array2D<Value> received;
-  Unpacker(bytes).get(received);
+  from_message(links.receive(from), received);
   require(array.size() == 0 || (received.nx == array.nx && received.ny == array.ny),
           "expected {} × {} values from rank {}, got {} × {}", array.nx, array.ny, from, received.nx, received.ny);
   array = std::move(received);
@@ -43,17 +37,15 @@ class SharedFrames::Exchange : public MeanExchange {
 
   void add_up(float* values, size_t count) override {
     for (int process = 1; process < processes_; ++process) {
-      const std::string bytes = links_.receive(process);
       std::vector<float> part;
-      Unpacker(bytes).get(part);
+      from_message(links_.receive(process), part);
       require(part.size() == count, "expected {} values from rank {}, got {}", count, process, part.size());
       for (size_t i = 0; i < count; ++i) values[i] += part[i];
     }
   }
 
   void hand_out(float* values, size_t count) override {
-    std::string bytes;
-    pack(bytes, std::vector<float>(values, values + count));
+    const std::string bytes = to_message(std::vector<float>(values, values + count));
     for (int process = 1; process < processes_; ++process) links_.send(process, bytes);
   }
 
@@ -72,14 +64,14 @@ class SharedFrames::Light : public ColourLight {
     FrameOrderMessage message = to(FrameOrder::add);
     message.wavelength = target.wavelength;
     message.z = target.z;
-    frames_.order(packed(message));
+    frames_.order(to_message(message));
     own_->add(target);
   }
 
   void leave(const PanelDetail& detail) override {
     FrameOrderMessage message = to(FrameOrder::leave);
     message.detail = detail;
-    frames_.order(packed(message));
+    frames_.order(to_message(message));
     own_->leave(detail);
   }
 
@@ -88,7 +80,7 @@ class SharedFrames::Light : public ColourLight {
     message.plane = plane;
     message.group = group;
     message.is_kept = is_kept;
-    frames_.order(packed(message));
+    frames_.order(to_message(message));
     return own_->plane_sums(plane, group, is_kept);
   }
 
@@ -98,15 +90,15 @@ class SharedFrames::Light : public ColourLight {
     message.group = group;
     message.scale = scale;
     message.factor = factor;
-    frames_.order(packed(message));
+    frames_.order(to_message(message));
     return own_->add_gradient(plane, group, scale, factor);
   }
 
   ModulusSums view_sums(const ViewTargets& views, bool is_kept) override {
     FrameOrderMessage message = to(FrameOrder::view_sums);
     message.is_kept = is_kept;
-    frames_.order(packed(message));
-    frames_.order(pack_views(views));
+    frames_.order(to_message(message));
+    frames_.order(to_message(views));
     return own_->view_sums(views, is_kept);
   }
 
@@ -114,7 +106,7 @@ class SharedFrames::Light : public ColourLight {
     FrameOrderMessage message = to(FrameOrder::add_gradient_of_views);
     message.scale = scale;
     message.factor = factor;
-    frames_.order(packed(message));
+    frames_.order(to_message(message));
     return own_->add_gradient_of_views(views, scale, factor);
   }
 
@@ -140,8 +132,8 @@ SharedFrames::SharedFrames(ProcessLinks& links, const DescentSetup& setup, const
   job.params.device = device;
   for (size_t i = 1; i < ranges_.size(); ++i) {
     job.frames = of_range(ranges_[i]);
-    links_.send(int(i), pack_job(job));
-    for (const Hologram& frame : job.frames) links_.send(int(i), pack_frame(frame));
+    links_.send(int(i), job_message(job));
+    for (const Hologram& frame : job.frames) links_.send(int(i), frame_message(frame));
   }
   own_ = make(of_range(ranges_.front()), {frames.size() - ranges_.front().count(), exchange_.get()});
 }
@@ -153,24 +145,24 @@ void SharedFrames::order(const std::string& bytes) const {
 }
 
 std::unique_ptr<ColourLight> SharedFrames::light_of(const DrivenPanel& panel, double wavelength) {
-  order(packed({.order = FrameOrder::light_of, .wavelength = wavelength}));
+  order(to_message(FrameOrderMessage{.order = FrameOrder::light_of, .wavelength = wavelength}));
   return std::make_unique<Light>(*this, colours_++, own_->light_of(panel, wavelength));
 }
 
 void SharedFrames::clear_slopes() {
-  order(packed({.order = FrameOrder::clear_slopes}));
+  order(to_message(FrameOrderMessage{.order = FrameOrder::clear_slopes}));
   own_->clear_slopes();
 }
 
 void SharedFrames::step(const DriveStep& step) {
   FrameOrderMessage message{.order = FrameOrder::step};
   message.step = step;
-  order(packed(message));
+  order(to_message(message));
   own_->step(step);
 }
 
 void SharedFrames::write(std::vector<Hologram>& frames) const {
-  order(packed({.order = FrameOrder::write}));
+  order(to_message(FrameOrderMessage{.order = FrameOrder::write}));
   std::vector<Hologram> own(frames.begin(), frames.begin() + std::ptrdiff_t(ranges_.front().count()));
   own_->write(own);
   std::move(own.begin(), own.end(), frames.begin());
@@ -182,7 +174,7 @@ void SharedFrames::write(std::vector<Hologram>& frames) const {
 }
 
 std::vector<Array2D<float>> SharedFrames::state() {
-  order(packed({.order = FrameOrder::state}));
+  order(to_message(FrameOrderMessage{.order = FrameOrder::state}));
   std::vector<Array2D<float>> arrays = own_->state();
   for (size_t i = 1; i < ranges_.size(); ++i)
     for (size_t k = 0; k < ranges_[i].count() * arrays_of_frame_; ++k)
@@ -191,16 +183,13 @@ std::vector<Array2D<float>> SharedFrames::state() {
 }
 
 void SharedFrames::restore(const std::vector<Array2D<float>>& state) {
-  order(packed({.order = FrameOrder::restore}));
+  order(to_message(FrameOrderMessage{.order = FrameOrder::restore}));
   for (size_t i = 1; i < ranges_.size(); ++i)
-    for (size_t k = ranges_[i].first * arrays_of_frame_; k < ranges_[i].last * arrays_of_frame_; ++k) {
-      std::string bytes;
-      pack(bytes, state[k]);
-      links_.send(int(i), bytes);
-    }
+    for (size_t k = ranges_[i].first * arrays_of_frame_; k < ranges_[i].last * arrays_of_frame_; ++k)
+      links_.send(int(i), to_message(state[k]));
   own_->restore({state.begin(), state.begin() + std::ptrdiff_t(ranges_.front().count() * arrays_of_frame_)});
 }
 
-void SharedFrames::finish() { order(packed({.order = FrameOrder::end})); }
+void SharedFrames::finish() { order(to_message(FrameOrderMessage{.order = FrameOrder::end})); }
 
 }  // namespace holotrace

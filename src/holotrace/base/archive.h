@@ -1,11 +1,13 @@
 #pragma once
 
-#include <array>
-#include <complex>
+#include <fmt/format.h>
+
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -14,17 +16,26 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/error.h"
 
-// Nouns as bytes, for pickle and copy. Writer and Reader are called with the members of a type; `members` of
-// archive_nouns.h lists them for each type. Structured bindings there make a list that lacks a member fail to compile.
+// Values as bytes, for programs of one version on machines of one kind: messages between processes, pickles, and fingerprints.
+// Writer and Reader are called with values. For a type that is no plain memory they call members(archive, value), which calls the
+// archive with the members of the value (data/members.h).
 
-namespace holotrace::python {
+namespace holotrace {
 
 template <class T>
-concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
 
-class Writer {
+/// Types whose memory is their value. An optional has bytes without a value.
+template <class T>
+concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && !is_optional<T>;
+
+/// Writes values to a sink, an object with put(const void* bytes, size_t size).
+template <class Sink>
+class BasicWriter {
  public:
-  std::string bytes;
+  Sink sink;
 
   template <class... Values>
   void operator()(const Values&... values) {
@@ -35,11 +46,11 @@ class Writer {
   template <class T>
   void raw(const T* data, size_t count) {
     write(uint64_t(count));
-    bytes.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+    sink.put(data, count * sizeof(T));
   }
   template <Plain T>
   void write(const T& value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    sink.put(&value, sizeof value);
   }
   void write(const std::string& text) { raw(text.data(), text.size()); }
   template <class T, class A>
@@ -56,7 +67,7 @@ class Writer {
     write(array.ny), write(array.nx), write(array.values);
   }
   template <class T>
-  requires(!Plain<std::optional<T>>) void write(const std::optional<T>& value) {
+  void write(const std::optional<T>& value) {
     write(value.has_value());
     if (value) write(*value);
   }
@@ -64,6 +75,10 @@ class Writer {
   void write(const std::shared_ptr<const T>& value) {
     write(bool(value));
     if (value) write(*value);
+  }
+  template <class A, class B>
+  requires(!Plain<std::pair<A, B>>) void write(const std::pair<A, B>& value) {
+    write(value.first), write(value.second);
   }
   template <class... T>
   requires(!Plain<std::variant<T...>>) void write(const std::variant<T...>& value) {
@@ -74,9 +89,17 @@ class Writer {
   requires(!Plain<T>) void write(const T& noun) { members(*this, const_cast<T&>(noun)); }
 };
 
+struct ByteString {
+  std::string bytes;
+  void put(const void* from, size_t size) { bytes.append(static_cast<const char*>(from), size); }
+};
+using Writer = BasicWriter<ByteString>;
+
+/// Reads what Writer wrote, in the same order. The bytes must outlive it.
+/// @throws Error  for bytes that end too early or cannot be those of the values, naming them by `what`: "a pickled object"
 class Reader {
  public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  Reader(std::string_view bytes, const char* what) : bytes_(bytes), what_(what) {}
 
   template <class... Values>
   void operator()(Values&... values) {
@@ -85,7 +108,7 @@ class Reader {
   bool is_at_end() const { return at_ == bytes_.size(); }
 
  private:
-  static void refuse() { fail("expected the bytes of a pickled object of this version of holotrace, got others"); }
+  void refuse() const { fail("expected the bytes of {} of this version of holotrace, got others", what_); }
   const char* take(uint64_t size) {
     if (size > bytes_.size() - at_) refuse();
     at_ += size;
@@ -124,7 +147,7 @@ class Reader {
     if (array.ny < 0 || array.nx < 0 || array.values.size() != size_t(array.ny) * size_t(array.nx)) refuse();
   }
   template <class T>
-  requires(!Plain<std::optional<T>>) void read(std::optional<T>& value) {
+  void read(std::optional<T>& value) {
     bool is_there = false;
     read(is_there);
     value.reset();
@@ -140,6 +163,8 @@ class Reader {
     read(*held);
     value = std::move(held);
   }
+  template <class A, class B>
+  requires(!Plain<std::pair<A, B>>) void read(std::pair<A, B>& value) { read(value.first), read(value.second); }
   template <class... T>
   requires(!Plain<std::variant<T...>>) void read(std::variant<T...>& value) {
     uint64_t index = 0;
@@ -152,7 +177,21 @@ class Reader {
   requires(!Plain<T>) void read(T& noun) { members(*this, noun); }
 
   std::string_view bytes_;
+  const char* what_;
   size_t at_ = 0;
 };
 
-}  // namespace holotrace::python
+/// Values as the bytes of a message between processes, and back.
+template <class... Values>
+std::string to_message(const Values&... values) {
+  Writer writer;
+  writer(values...);
+  return std::move(writer.sink.bytes);
+}
+template <class... Values>
+void from_message(std::string_view bytes, Values&... values) {
+  Reader reader(bytes, "a message between processes");
+  reader(values...);
+}
+
+}  // namespace holotrace

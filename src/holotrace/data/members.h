@@ -1,8 +1,10 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <type_traits>
+#include <vector>
 
-#include "archive.h"
 #include "holotrace/data/calibration.h"
 #include "holotrace/data/depth_image.h"
 #include "holotrace/data/field.h"
@@ -10,12 +12,14 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/job.h"
+#include "holotrace/data/report.h"
 #include "holotrace/data/sources.h"
-#include "records.h"
+#include "holotrace/data/target.h"
 
-// The members of each noun, for Writer and Reader. Types without pointers need no list.
+// The members of each noun, for the archives of base/archive.h. Types of plain memory need no list. Structured bindings make a list that
+// lacks a member fail to compile.
 
-namespace holotrace::python {
+namespace holotrace {
 
 template <class Archive, class Real>
 void members(Archive& archive, BasicField<Real>& noun) {
@@ -91,6 +95,19 @@ template <class Archive>
 void members(Archive& archive, CalibrationPlan& noun) {
   auto& [distance, patterns] = noun;
   archive(distance, patterns);
+}
+
+// Of targets.
+
+template <class Archive>
+void members(Archive& archive, TargetPlane& part) {
+  auto& [z, wavelength, amplitude, weight] = part;
+  archive(z, wavelength, amplitude, weight);
+}
+template <class Archive>
+void members(Archive& archive, ViewTargets& part) {
+  auto& [z, wavelength, window, picture, pupils, amplitudes] = part;
+  archive(z, wavelength, window, picture, pupils, amplitudes);
 }
 
 // Of a scene.
@@ -178,6 +195,14 @@ struct ParamMembers {
   }
 };
 
+/// The parameters of a stage, which `describe` lists.
+template <class Archive, class Params>
+requires requires(ParamMembers<Archive>& visitor, Params& params) { describe(visitor, params); }
+void members(Archive& archive, Params& params) {
+  ParamMembers<Archive> visitor{archive};
+  describe(visitor, params);
+}
+
 template <class Archive>
 void members(Archive& archive, Chosen& part) {
   auto& [parameter, value, why] = part;
@@ -187,24 +212,12 @@ template <class Archive>
 void members(Archive& archive, Job& noun) {
   auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, are_distances_given,
          warnings, chosen] = noun;
-  archive(scene, wavelengths, slm, are_distances_given, warnings, chosen);
-  ParamMembers<Archive> params{archive};
-  describe(params, trace);
-  describe(params, render);
-  describe(params, synthesize);
-  describe(params, encode);
-  describe(params, show);
-  describe(params, propagate);
-  describe(params, camera);
+  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, are_distances_given,
+          warnings, chosen);
 }
 
 // Of results.
 
-template <class Archive, class A, class B>
-void members(Archive& archive, std::pair<A, B>& part) {
-  auto& [first, second] = part;
-  archive(first, second);
-}
 template <class Archive>
 void members(Archive& archive, StageReport& part) {
   auto& [stage, seconds, facts, warnings, curves] = part;
@@ -215,39 +228,5 @@ void members(Archive& archive, Report& part) {
   auto& [seed, stages, chosen] = part;
   archive(seed, stages, chosen);
 }
-template <class Archive>
-void members(Archive& archive, RunRecord& part) {
-  auto& [job, report, points, radiances] = part;
-  archive(job, report, points, radiances);
-}
-template <class Archive>
-void members(Archive& archive, ViewRecord& part) {
-  auto& [camera, eye_separation, report] = part;
-  ParamMembers<Archive> params{archive};
-  describe(params, camera);
-  archive(eye_separation, report);
-}
 
-/// The noun as bytes, headed by the version that they are for.
-template <class Noun>
-std::string to_bytes(const Noun& noun) {
-  Writer writer;
-  writer(std::string(HOLOTRACE_VERSION), noun);
-  return writer.bytes;
-}
-
-/// @throws Error  for bytes of another version, and for damaged ones
-template <class Noun>
-Noun from_bytes(std::string_view bytes) {
-  Reader reader(bytes);
-  std::string version;
-  reader(version);
-  require(version == HOLOTRACE_VERSION, "expected an object pickled by holotrace {}, got one of {}; make it again",
-          HOLOTRACE_VERSION, version);
-  Noun noun;
-  reader(noun);
-  require(reader.is_at_end(), "expected the end of a pickled object, got more bytes");
-  return noun;
-}
-
-}  // namespace holotrace::python
+}  // namespace holotrace
