@@ -5,6 +5,7 @@
 #include "band_messages.h"
 #include "end_to_end/bands.h"
 #include "end_to_end/mpirun.h"
+#include "holotrace/base/archive.h"
 #include "support/build_paths.h"
 
 namespace holotrace::test {
@@ -18,7 +19,8 @@ TEST(BandMessages, CarryAllThatASumDependsOn) {
   set.waves = {{{1e-3, 2e-3, -0.1}, 0.5F, 1.0F}};
   set.second_foci = {{{1e-3, 2e-3, -0.2}, {1, 0, 0}}};
   set.tiles = {1, 2, {0.25F, 0.75F}};
-  const Sources heard = unpack_set(pack_set(set));
+  Sources heard;
+  from_message(to_message(set), heard);
   EXPECT_EQ(heard.wavelength, set.wavelength);
   EXPECT_EQ(heard.cone_wavelength, set.cone_wavelength);
   EXPECT_EQ(heard.waves, set.waves);

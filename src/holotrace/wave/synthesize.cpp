@@ -80,9 +80,8 @@ bool runs_on_devices(SynthesisMethod method) {
   return method == SynthesisMethod::automatic || method == SynthesisMethod::tiled || method == SynthesisMethod::planes;
 }
 
-// Only tiles suit astigmatic waves.
-Approach approach_of(const Sources& sources, SynthesisMethod method) {
-  if (method == SynthesisMethod::tiled || has_astigmatic(sources)) return Approach::tiled;
+Approach approach_of(SynthesisMethod method) {
+  if (method == SynthesisMethod::tiled) return Approach::tiled;
   return method == SynthesisMethod::planes ? Approach::planes : Approach::cheapest;
 }
 
@@ -96,7 +95,7 @@ struct Place {
 // field's return counts.
 Device* fastest_device_for(const Sources& sources, const Grid& grid, const SynthesizeParams& params, bool returns) {
   if (!runs_on_devices(params.method)) return nullptr;
-  const Approach approach = approach_of(sources, params.method);
+  const Approach approach = approach_of(params.method);
   const auto seconds = [&](Device* device) {
     const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device, !returns});
     return forecast.method.empty() ? infinite : forecast.seconds;
@@ -133,8 +132,7 @@ SummedField sum_waves(const Sources& sources, const Grid& grid, const Synthesize
       return exact();
     case SynthesisMethod::tiled:
     case SynthesisMethod::planes:
-      return sum_within(sources, grid, params.tolerance, {approach_of(sources, params.method), devices, stays},
-                        observer);
+      return sum_within(sources, grid, params.tolerance, {approach_of(params.method), devices, stays}, observer);
     case SynthesisMethod::layers:
       observer.fact("method", std::string("layers"));
       return {sum_layers(sources, grid, params, observer)};
@@ -144,8 +142,8 @@ SummedField sum_waves(const Sources& sources, const Grid& grid, const Synthesize
       break;
   }
   double reachable = 0;
-  std::optional<SummedField> field = try_sum(
-      sources, grid, params.tolerance, {approach_of(sources, params.method), devices, stays}, reachable, observer);
+  std::optional<SummedField> field =
+      try_sum(sources, grid, params.tolerance, {approach_of(params.method), devices, stays}, reachable, observer);
   if (!field) {
     observer.fact("why", fmt::format("the other methods reach {:.1e} at best, the tolerance is {:.1e}", reachable,
                                      params.tolerance));
@@ -208,7 +206,7 @@ SumForecast forecast_synthesis(const Sources& sources, const Grid& grid, const S
   bool is_within = true;
   const auto add = [&](const Sources& kind) {
     if (kind.waves.empty()) return;
-    const SumForecast one = forecast_sum(kind, grid, params.tolerance, approach_of(kind, params.method));
+    const SumForecast one = forecast_sum(kind, grid, params.tolerance, approach_of(params.method));
     is_within = is_within && !one.method.empty();
     all.seconds += one.seconds;
     if (all.method != "planes") all.method = one.method;
