@@ -116,7 +116,7 @@ def test_bad_depths_are_refused():
     for depth, message in (
         (np.ones((4, 4)), "4"),
         (np.full((4, 5), np.nan), "expected finite numbers in depths, got NaN"),
-        (np.full((4, 5), -1.0), "depth"),
+        (np.zeros((4, 5)), "expected a pixel with a depth other than 0 m"),
         (np.ones(5), "expected depths of the shape"),
     ):
         with pytest.raises(ht.Error, match=message):

@@ -15,6 +15,7 @@
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
 #include "holotrace/wave/tiles/tile_sum.h"
+#include "support/devices.h"
 #include "support/fields.h"
 #include "support/panels.h"
 #include "support/wavelengths.h"
@@ -381,6 +382,17 @@ TEST(AstigmaticWaves, PlanesSumsThemInTiles) {
   const Grid grid{96, 80, 8_um};
   const Sources sources = astigmatic_of(mixed_waves(grid));
   EXPECT_LT(relative_error(sum_planes(sources, grid, 1e-2), sum_exact(sources, grid)), 1e-2);
+}
+
+// A device sums the spherical ones, the processor the others.
+TEST(AstigmaticWaves, AreSummedBesideThoseOnADevice) {
+  const Grid grid{96, 80, 8_um};
+  const Sources sources = mixed_waves(grid);
+  for (const DeviceChoice& device : test::processor_and_devices())
+    EXPECT_LT(
+        relative_error(synthesize(sources, grid, {.tolerance = 1e-3, .device = device}), sum_exact(sources, grid)),
+        1e-3)
+        << test::device_name(device);
 }
 
 // The error that the tiles state is that of the sum: at one tolerance the waves' two curvatures differ 20 times.
