@@ -332,6 +332,26 @@ TEST(Specular, SourcesBehindMirrorsTurnedAnywhichWayAreAstigmatic) {
   }
 }
 
+// Every tile of a panel of 4 mm sees the wall's point of an astigmatic wave along its own ray: that goes to both focal lines, and meets
+// a piece of wall of 0.4 mm around the point. To the first line alone it would pass 0.5 mm beside it.
+TEST(Specular, TilesSeeAstigmaticWavesAlongTheirOwnRays) {
+  for (const double turn : {0_deg, 90_deg}) {
+    Scene scene = make_oblique_mirror_scene(300_mm, 45_deg, 12_mm);
+    const Vec3 middle = Vec3{0, 0, -0.2} + Vec3{300_mm, 0, 0};
+    for (Vec3& p : scene.meshes[0].positions) p = middle + (p - middle) * (0.2_mm / 105_mm);
+    for (Mesh& mesh : scene.meshes) transform_mesh(rotation_z(turn), mesh);
+    TraceParams params{.columns = 1, .rows = 1, .field_of_view = 0.0002, .paths = 1, .phase = SourcePhase::path};
+    params.tile_columns = params.tile_rows = 3;
+    params.strategy = Strategy::tiled;
+    const Sources sources = trace(scene, {512, 512, 8e-6}, green_light, params);
+    ASSERT_EQ(sources.waves.size(), 1u);
+    ASSERT_TRUE(is_astigmatic(sources, 0));
+    const float in_the_middle = sources.tiles.values[4];
+    ASSERT_GT(in_the_middle, 0);
+    for (const float amplitude : sources.tiles.values) EXPECT_NEAR(amplitude / in_the_middle, 1, 0.05);
+  }
+}
+
 // The energy of the panel's light is the same whether waves are astigmatic or, on a panel too small to tell, spherical: L times
 // étendue over the panel's area.
 TEST(Specular, AstigmaticSourcesCarryTheLightOfTheirRays) {
