@@ -111,7 +111,7 @@ void sort_into_files(Work& work) {
   const std::vector<Sources>& sets = work.job.sets;
   for (size_t set = 0; set < sets.size(); ++set) {
     size_t file = 0;
-    while (file < work.files.size() && sets[work.files[file].sets.front()].name != sets[set].name) ++file;
+    while (file < work.files.size() && sets[work.files[file].sets.front()].label.name != sets[set].label.name) ++file;
     if (file == work.files.size()) work.files.emplace_back();
     work.files[file].sets.push_back(set);
   }
@@ -150,9 +150,7 @@ void open_files(Work& work) {
       Field header;
       header.grid = work.job.panel;
       header.wavelength = work.job.sets[set].wavelength;
-      header.name = work.job.sets[set].name;
-      header.frame = work.job.sets[set].frame;
-      header.cone_wavelength = work.job.sets[set].cone_wavelength;
+      header.label = work.job.sets[set].label;
       headers.push_back(header);
     }
     const std::string path = numbered_path(work.job.output, i);

@@ -66,10 +66,10 @@ std::vector<Sources> read_sources(const std::vector<std::string>& paths, const s
     sets.push_back(load_sources(paths[i], given));
     if (given > 0) {
       sets.back().wavelength = given;
-      if (sets.back().cone_wavelength > given) sets.back().cone_wavelength = 0;  // the new cone is narrower
+      if (sets.back().label.cone_wavelength > given) sets.back().label.cone_wavelength = 0;  // the new cone is narrower
     }
     for (size_t j = 0; j < i; ++j)
-      require(sets[j].wavelength != sets[i].wavelength || sets[j].name != sets[i].name,
+      require(sets[j].wavelength != sets[i].wavelength || sets[j].label.name != sets[i].label.name,
               "expected sources of different wavelengths or names, got {} and {} at {}; put them into one file if "
               "they are coherent, or make a hologram of each",
               paths[j], paths[i], format_length(sets[i].wavelength));
@@ -84,9 +84,7 @@ std::vector<FieldDouble> exact_fields(std::vector<Sources> sets, uint32_t frame,
     set_frame(set, frame);
     fields.push_back(set.waves.empty() && sets.size() > 1 ? FieldDouble(panel, set.wavelength)
                                                           : sum_exact(set, panel, observer));
-    fields.back().name = set.name;
-    fields.back().frame = frame;
-    fields.back().cone_wavelength = set.cone_wavelength;
+    fields.back().label = set.label;
   }
   return fields;
 }
@@ -146,9 +144,7 @@ std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t fram
   for (Triangles& set : sets) {
     set_frame(set, frame);
     fields.push_back(sum_triangles_exact(set, panel, 0.01, observer));
-    fields.back().name = set.name;
-    fields.back().frame = frame;
-    fields.back().cone_wavelength = set.cone_wavelength;
+    fields.back().label = set.label;
   }
   return fields;
 }
@@ -239,7 +235,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
             o->inputs.front());
     SceneLight light = is_scene ? trace_light(job, console.watch("trace"))
                                 : SceneLight{read_sources(o->inputs, job.wavelengths), {}, {}};
-    const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().frame);
+    const uint32_t frame = o->frame.value_or(light.sources.empty() ? 0 : light.sources.front().label.frame);
     const Observer observer = console.watch("synthesize");
     if (is_banded) {
       const double bytes = o->memory.empty() ? memory_of_a_rank : parse_size_flag("--memory", o->memory);

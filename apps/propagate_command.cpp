@@ -17,13 +17,7 @@ namespace {
 template <class Real>
 void propagate_file(std::vector<BasicField<Real>> fields, const std::string& output, double distance,
                     const PropagateParams& params, Console& console) {
-  for (BasicField<Real>& field : fields) {
-    auto moved = propagate(field, distance, params, console.watch("propagate"));
-    moved.name = field.name;
-    moved.frame = field.frame;
-    moved.cone_wavelength = field.cone_wavelength;
-    field = std::move(moved);
-  }
+  for (BasicField<Real>& field : fields) field = propagate(field, distance, params, console.watch("propagate"));
   console.finish();
   save_fields(output, fields);
 }

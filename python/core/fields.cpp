@@ -46,14 +46,16 @@ void bind_field(nb::module_& module, const char* name) {
       },
       nb::arg("centre").none());
   one.def_ro("wavelength", &F::wavelength);
-  one.def_ro("cone_wavelength", &F::cone_wavelength);
+  one.def_prop_ro("cone_wavelength", [](const F& f) { return f.label.cone_wavelength; });
   one.def_prop_rw(
       "z", [](const F& f) { return f.z; }, [](F& f, nb::handle z) { f.z = to_length(z, "z"); }, nb::arg("z").none());
   one.def_prop_rw(
       "image", [](const F& f) { return name_of(f.image); },
       [](F& f, const std::string& name) { f.image = image_side_of(name); });
-  one.def_rw("name", &F::name);
-  one.def_rw("frame", &F::frame);
+  one.def_prop_rw(
+      "name", [](const F& f) { return f.label.name; }, [](F& f, const std::string& name) { f.label.name = name; });
+  one.def_prop_rw(
+      "frame", [](const F& f) { return f.label.frame; }, [](F& f, uint32_t frame) { f.label.frame = frame; });
   one.def_prop_ro("power", [](const F& f) { return power(f); });
   one.def("as_single", [](const F& f) { return convert<float>(f); });
   one.def("as_double", [](const F& f) { return convert<double>(f); });
@@ -131,9 +133,11 @@ void bind_fields(nb::module_& module) {
   });
   sources.def("__len__", [](const Sources& s) { return s.waves.size(); });
   sources.def_ro("wavelength", &Sources::wavelength);
-  sources.def_ro("cone_wavelength", &Sources::cone_wavelength);
-  sources.def_rw("name", &Sources::name);
-  sources.def_prop_ro("frame", [](const Sources& s) { return s.frame; });
+  sources.def_prop_ro("cone_wavelength", [](const Sources& s) { return s.label.cone_wavelength; });
+  sources.def_prop_rw(
+      "name", [](const Sources& s) { return s.label.name; },
+      [](Sources& s, const std::string& name) { s.label.name = name; });
+  sources.def_prop_ro("frame", [](const Sources& s) { return s.label.frame; });
   sources.def("set_frame", [](Sources& s, uint32_t frame) { set_frame(s, frame); });
   sources.def("save", [](const Sources& s, const std::string& path) {
     const nb::gil_scoped_release release;

@@ -122,8 +122,10 @@ void bind_holograms(nb::module_& module) {
       [](Hologram& h, const std::string& name) { h.image = image_side_of(name); });
   hologram.def_ro("encoder", &Hologram::encoder);
   hologram.def_rw("illumination", &Hologram::illumination);
-  hologram.def_rw("name", &Hologram::name);
-  hologram.def_ro("frame", &Hologram::frame);
+  hologram.def_prop_rw(
+      "name", [](const Hologram& h) { return h.label.name; },
+      [](Hologram& h, const std::string& name) { h.label.name = name; });
+  hologram.def_prop_ro("frame", [](const Hologram& h) { return h.label.frame; });
   hologram.def_prop_ro("distances", [](const Hologram& h) { return h.viewing.distances; });
   hologram.def_ro("effects", &Hologram::effects);
   hologram.def_prop_rw(

@@ -22,13 +22,7 @@ BasicField<Real> propagate_field(const BasicField<Real>& field, nb::handle dista
   const double metres = to_length(distance, "distance");
   PropagateParams params;
   set_params(given, params);
-  return watch.run("propagate", [&](const Observer& observer) {
-    BasicField<Real> moved = propagate(field, metres, params, observer);
-    moved.name = field.name;
-    moved.frame = field.frame;
-    moved.cone_wavelength = field.cone_wavelength;
-    return moved;
-  });
+  return watch.run("propagate", [&](const Observer& observer) { return propagate(field, metres, params, observer); });
 }
 
 Field synthesize_sources(const Sources& sources, const Slm& panel, const nb::dict& given, Watch& watch) {

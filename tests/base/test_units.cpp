@@ -100,6 +100,7 @@ TEST(Units, LengthsAreWrittenInASuitableUnit) {
   EXPECT_EQ(format_length(532e-9), "532 nm");
   EXPECT_EQ(format_length(8e-6), "8 µm");
   EXPECT_EQ(format_length(0.3), "300 mm");
+  EXPECT_EQ(format_length(-0.3), "-300 mm");
   EXPECT_EQ(format_length(0), "0 m");
   EXPECT_EQ(format_bytes(34.4 * 1024 * 1024 * 1024), "34.4 GiB");
 }

@@ -48,10 +48,10 @@ TEST(Checks, SizesThatNoLightHasAreRefused) {
 TEST(Checks, WavesKeepToAConeThatThePanelHolds) {
   Sources sources{532e-9, {{{0, 0, -0.1}, 1, 0}}};
   for (const double cone : {0.0, 450e-9, 532e-9}) {
-    sources.cone_wavelength = cone;
+    sources.label.cone_wavelength = cone;
     EXPECT_EQ(error_of([&] { check_sources(sources); }), "no error") << cone;
   }
-  sources.cone_wavelength = 633e-9;
+  sources.label.cone_wavelength = 633e-9;
   EXPECT_EQ(error_of([&] { check_sources(sources); }),
             "expected a cone_wavelength from 0 m to the waves' own of 532 nm, which the panel can hold, got 633 nm");
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "holotrace/data/slm.h"
+#include "support/error_of.h"
 
 namespace holotrace {
 namespace {
@@ -62,6 +63,19 @@ TEST(SlmEffects, DeadPixelsAreKnownOnesOrAFraction) {
   listed.effects.dead_pixels = {{1, 0, 1}};
   random.effects.dead_fraction = 0.01;
   for (const Slm& slm : {listed, random}) EXPECT_EQ(effects_of(slm), std::vector<std::string>{"dead-pixels"});
+}
+
+TEST(Slm, FillFactorsOfBothAxesAreFractions) {
+  Slm slm;
+  slm.grid = {2, 1, 8e-6};
+  for (const auto& [x, y] : {std::pair{1.5, 0.5}, {0.5, 1.5}, {-0.5, 0.5}, {0.5, -0.5}}) {
+    slm.fill_x = x, slm.fill_y = y;
+    EXPECT_EQ(error_of([&] { check_slm(slm); }).rfind("expected fill factors of both axes in (0, 1], or of neither", 0),
+              0U)
+        << x << " " << y;
+  }
+  slm.fill_x = 0.5, slm.fill_y = 1;
+  EXPECT_EQ(error_of([&] { check_slm(slm); }), "no error");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(Sources, AFrameHasItsRandomPhasesWhicheverFrameCameBefore) {
   Sources sources = traced();
   for (const uint32_t frame : {4u, 1u, 9u, 0u}) {
     set_frame(sources, frame);
-    EXPECT_EQ(sources.frame, frame);
+    EXPECT_EQ(sources.label.frame, frame);
     for (size_t i = 0; i < 3; ++i) {
       const uint64_t key = sources.phase_keys[i];
       const double random = key == Sources::no_phase_key ? 0 : random_phase(7, frame, key);

@@ -172,10 +172,10 @@ TEST(Bands, OfAColourSceneAreInOneFile) {
   ASSERT_EQ(work.run(whole).exit_code, 0);
   const auto fields = load_fields_double(work.path("f.h5")), expected = load_fields_double(work.path("whole.h5"));
   ASSERT_EQ(fields.size(), 2u);
-  EXPECT_NEAR(fields[0].cone_wavelength, 532e-9, 1e-18) << "red keeps to the cone of green";
+  EXPECT_NEAR(fields[0].label.cone_wavelength, 532e-9, 1e-18) << "red keeps to the cone of green";
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(fields[i].wavelength, expected[i].wavelength);
-    EXPECT_EQ(fields[i].cone_wavelength, expected[i].cone_wavelength);
+    EXPECT_EQ(fields[i].label.cone_wavelength, expected[i].label.cone_wavelength);
     EXPECT_LT(compare(expected[i], fields[i]).relative_error, 6e-8) << "both are rounded to float once";
   }
 }

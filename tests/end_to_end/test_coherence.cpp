@@ -68,7 +68,7 @@ TEST(Coherence, YoungsSlitsInLaserLight) {
   // slits.
   const auto without_surface = [](Sources waves) {
     for (size_t i = 0; i < waves.waves.size(); ++i)
-      waves.waves[i].phase -= float(random_phase(waves.seed, waves.frame, waves.phase_keys.at(i)));
+      waves.waves[i].phase -= float(random_phase(waves.seed, waves.label.frame, waves.phase_keys.at(i)));
     return waves;
   };
   EXPECT_NE(sources.phase_keys.at(0), sources.phase_keys.at(1));

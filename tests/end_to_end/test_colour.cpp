@@ -121,7 +121,7 @@ TEST(Colour, TheReportTellsColoursSetsAndFramesInOneEntryPerStage) {
   const Boxes boxes = run(job);
   EXPECT_EQ(boxes.holograms.size(), 6u);
   for (size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(boxes.holograms[i].frame, i / 3);
+    EXPECT_EQ(boxes.holograms[i].label.frame, i / 3);
     EXPECT_EQ(boxes.holograms[i].wavelength, laser_lines[i % 3]);
   }
   std::map<std::string, std::map<std::string, Fact>> stages;
@@ -183,13 +183,13 @@ TEST(Colour, FieldsAreGroupedByTheirNames) {
   for (const double wavelength : {638e-9, 450e-9})
     for (const char* name : {"sun", "lamp"}) {
       fields.emplace_back(Grid{2, 2, 8e-6}, wavelength);
-      fields.back().name = name;
+      fields.back().label.name = name;
     }
   const auto groups = group_by_name(fields);
   ASSERT_EQ(groups.size(), 2u);
-  EXPECT_EQ(groups[0][1].name, "sun");
+  EXPECT_EQ(groups[0][1].label.name, "sun");
   EXPECT_EQ(groups[0][1].wavelength, 450e-9);
-  EXPECT_EQ(groups[1][0].name, "lamp");
+  EXPECT_EQ(groups[1][0].label.name, "lamp");
 }
 
 }  // namespace

@@ -234,7 +234,7 @@ TEST(CommonCone, AWhitePictureWithDepthIsWhiteInTheView) {
           for (int frame = 0; frame < frames; ++frame)
             fields.back().push_back(
                 sum_depth_image(image, panel, {wavelength, has_common_cone ? 450e-9 : 0}, params, {}, uint32_t(frame)));
-          EXPECT_EQ(fields.back().back().cone_wavelength, has_common_cone ? 450e-9 : 0);
+          EXPECT_EQ(fields.back().back().label.cone_wavelength, has_common_cone ? 450e-9 : 0);
         }
         return fields;
       },
@@ -243,7 +243,7 @@ TEST(CommonCone, AWhitePictureWithDepthIsWhiteInTheView) {
 
 TEST(CommonCone, HoldsForEveryMethodThatSumsWaves) {
   // Red waves at the border of blue's cone end where blue ones do; each method has its tolerance against the exact sum.
-  Sources sources{.wavelength = 633e-9, .cone_wavelength = 450e-9};
+  Sources sources{.wavelength = 633e-9, .label = {.cone_wavelength = 450e-9}};
   for (int i = 0; i < 40; ++i)
     sources.waves.push_back({{-9_mm + i * 0.45_mm, (i % 7) * 0.2_mm, -0.1 - (i % 3) * 1e-6}, 1, float(i * i % 6)});
   const FieldDouble exact = sum_exact(sources, panel);

@@ -60,7 +60,7 @@ TEST(DepthImage, ColoursShareTheConeOfTheShortestWavelength) {
   const auto cones = [&](const std::string& is_common) {
     expect_quiet_success(work, field_command({"--wavelength", "638 nm, 450 nm", "--common-cone", is_common}));
     std::vector<double> wavelengths;
-    for (const Field& field : load_fields(work.path("f.npy"))) wavelengths.push_back(field.cone_wavelength);
+    for (const Field& field : load_fields(work.path("f.npy"))) wavelengths.push_back(field.label.cone_wavelength);
     return wavelengths;
   };
   EXPECT_EQ(cones("true"), (std::vector<double>{450e-9, 450e-9}));
@@ -95,7 +95,7 @@ TEST(DepthImage, OfColoursIsAFieldForEachWavelength) {
   const std::vector<Field> fields = load_fields(work.path("f.npy"));
   ASSERT_EQ(fields.size(), 2U);
   EXPECT_EQ(fields[0].wavelength, 630e-9);
-  EXPECT_EQ(fields[1].frame, 3U);
+  EXPECT_EQ(fields[1].label.frame, 3U);
   // Each field has a part of the same light, and the panel takes some of it: neither is dark.
   EXPECT_GT(power(fields[0]), 0.2 * power(fields[1]));
   EXPECT_GT(power(fields[1]), 0.2 * power(fields[0]));

@@ -70,7 +70,7 @@ TEST(Frames, SpeckleOfAHologramFallsAsOneOverTheRootOfTheFrames) {
   CombinedViews by_hologram, by_field;
   for (uint32_t frame = 0; frame < 16; ++frame) {
     const Field field = fields_of_frame({{sources}, {}}, frame, grid, {}).front();
-    EXPECT_EQ(field.frame, frame);
+    EXPECT_EQ(field.label.frame, frame);
     const Hologram hologram = encode(field, slm, {});
     by_hologram.add(test_wavelength, "", hologram.illumination, look(show(hologram, slm, {}), slm, depth, {}, camera));
     by_field.add(test_wavelength, "", 1, look(field, slm, depth, {}, camera));
@@ -115,18 +115,18 @@ TEST(Frames, AreIndependentOfEachOtherAndReproducible) {
 TEST(Frames, SourcesAtAnotherWavelengthKeepTheirConeWhileThePanelHoldsIt) {
   const Workplace work;
   Sources sources = patch(1e-3, 4);
-  sources.cone_wavelength = 450e-9;
+  sources.label.cone_wavelength = 450e-9;
   save_sources(work.path("s.ply"), sources);
   for (const auto& [wavelength, cone] : {std::pair{500e-9, 450e-9}, {450e-9, 450e-9}, {400e-9, 0.0}}) {
     const std::string text = fmt::format("{:.0f} nm", wavelength * 1e9);
     expect_success(work, {"field", "s.ply", "--columns", "64", "--rows", "48", "--wavelength", text, "-o", "f.npy"});
     const Field field = load_field(work.path("f.npy"));
     EXPECT_DOUBLE_EQ(field.wavelength, wavelength);
-    EXPECT_DOUBLE_EQ(field.cone_wavelength, cone) << text;
+    EXPECT_DOUBLE_EQ(field.label.cone_wavelength, cone) << text;
     // Moving a field changes neither.
     expect_success(work, {"propagate", "f.npy", "--distance", "1 mm", "-o", "moved.npy"});
     EXPECT_EQ(load_field(work.path("moved.npy")).wavelength, field.wavelength);
-    EXPECT_EQ(load_field(work.path("moved.npy")).cone_wavelength, field.cone_wavelength) << text;
+    EXPECT_EQ(load_field(work.path("moved.npy")).label.cone_wavelength, field.label.cone_wavelength) << text;
   }
 }
 
@@ -140,12 +140,12 @@ TEST(Frames, TheProgramAveragesThemAsThoseMadeOneByOne) {
   std::vector<double> illuminations;
   for (const std::string m : {"0", "1", "2"}) {
     expect_success(work, {"field", "s.ply", "--slm", "scene.toml", "--frame", m, "-o", "f" + m + ".npy"});
-    EXPECT_EQ(std::to_string(load_field(work.path("f" + m + ".npy")).frame), m);
+    EXPECT_EQ(std::to_string(load_field(work.path("f" + m + ".npy")).label.frame), m);
     expect_success(work, {"encode", "f" + m + ".npy", "--slm", "scene.toml", "-o", "h" + m + ".png"});
     expect_success(work, {"show", "h" + m + ".png", "--distance", "30 mm", "-o", "v" + m + ".exr"});
     views.push_back(load_image(work.path("v" + m + ".exr")));
     const Hologram hologram = load_hologram(work.path("h" + m + ".png"));
-    EXPECT_EQ(std::to_string(hologram.frame), m);
+    EXPECT_EQ(std::to_string(hologram.label.frame), m);
     illuminations.push_back(hologram.illumination);
     together.push_back("h" + m + ".png");
   }

@@ -15,14 +15,14 @@ namespace fs = std::filesystem;
 
 // A rank that sums in a wider cone than the others would make different bands.
 TEST(BandMessages, CarryAllThatASumDependsOn) {
-  Sources set{.wavelength = 638e-9, .cone_wavelength = 450e-9};
+  Sources set{.wavelength = 638e-9, .label = {.cone_wavelength = 450e-9}};
   set.waves = {{{1e-3, 2e-3, -0.1}, 0.5F, 1.0F}};
   set.second_foci = {{{1e-3, 2e-3, -0.2}, {1, 0, 0}}};
   set.tiles = {1, 2, {0.25F, 0.75F}};
   Sources heard;
   from_message(to_message(set), heard);
   EXPECT_EQ(heard.wavelength, set.wavelength);
-  EXPECT_EQ(heard.cone_wavelength, set.cone_wavelength);
+  EXPECT_EQ(heard.label, set.label);
   EXPECT_EQ(heard.waves, set.waves);
   EXPECT_EQ(heard.second_foci, set.second_foci);
   EXPECT_EQ(heard.tiles, set.tiles);

@@ -79,7 +79,7 @@ TEST(TriangleScenes, OtherFramesHaveOtherPhasesAndTheSameLight) {
   const Field second = fields_of_frame(light, 1, job.slm.grid, job.synthesize).front();
   EXPECT_NE(first.samples.values, second.samples.values);
   EXPECT_NEAR(power(second) / power(first), 1, 0.05);
-  EXPECT_EQ(second.frame, 1U);
+  EXPECT_EQ(second.label.frame, 1U);
 }
 
 TEST(TriangleScenes, RunByTheCommandLine) {

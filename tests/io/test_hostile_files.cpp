@@ -76,7 +76,7 @@ TEST(HostileFiles, DamagedBytesOfHdf5AreReportedOrDoNoHarm) {
   FieldDouble field;
   field.grid = {4, 4, 8e-6};
   field.wavelength = 532e-9;
-  field.name = "a name";
+  field.label.name = "a name";
   field.samples = Array2D<std::complex<double>>(4, 4);
   const std::string path = test::temporary("f.h5");
   save_field(path, field);

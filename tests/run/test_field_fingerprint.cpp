@@ -15,7 +15,7 @@ struct Described {
   std::vector<int> first_rows{0, 128};
 
   Described() {
-    set.name = "lamp";
+    set.label.name = "lamp";
     set.waves = {{{0.001, 0.002, -0.1}, 0.5F, 1.0F}, {{0, 0, -0.2}, 0.25F, 2.0F}};
   }
   uint64_t number() const { return field_fingerprint(panel, params, {&set}, first_rows); }
@@ -39,10 +39,10 @@ TEST(FieldFingerprint, DiffersWithAllThatTheFieldDependsOn) {
       [](Described& d) {
         d.first_rows = {0, 64};
       },
-      [](Described& d) { d.set.name = "lamps"; },
-      [](Described& d) { d.set.frame = 1; },
+      [](Described& d) { d.set.label.name = "lamps"; },
+      [](Described& d) { d.set.label.frame = 1; },
       [](Described& d) { d.set.wavelength = 533e-9; },
-      [](Described& d) { d.set.cone_wavelength = 450e-9; },
+      [](Described& d) { d.set.label.cone_wavelength = 450e-9; },
       [](Described& d) { d.set.waves[1].origin.z = -0.21; },
       [](Described& d) { d.set.waves[1].amplitude = 0.3F; },
       [](Described& d) { d.set.waves[0].phase = 1.5F; },

@@ -8,8 +8,8 @@ namespace {
 Sources one_wave(double wavelength, const std::string& name) {
   Sources set;
   set.wavelength = wavelength;
-  set.name = name;
-  set.cone_wavelength = 450e-9;
+  set.label.name = name;
+  set.label.cone_wavelength = 450e-9;
   set.waves = {{{0, 0, -0.05}, 1, 0}};
   return set;
 }
@@ -22,9 +22,9 @@ TEST(SceneLight, FieldsKeepNameFrameAndCone) {
   ASSERT_EQ(fields.size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(fields[i].wavelength, light.sources[i].wavelength);
-    EXPECT_EQ(fields[i].name, light.sources[i].name);
-    EXPECT_EQ(fields[i].frame, 3u);
-    EXPECT_EQ(fields[i].cone_wavelength, 450e-9);
+    EXPECT_EQ(fields[i].label.name, light.sources[i].label.name);
+    EXPECT_EQ(fields[i].label.frame, 3u);
+    EXPECT_EQ(fields[i].label.cone_wavelength, 450e-9);
   }
 }
 

@@ -142,7 +142,7 @@ TEST(VisibleLight, BecomesWavesAsASurfaceThatShinesDoes) {
   TraceParams params{.columns = 4, .rows = 4, .field_of_view = 0.03, .paths = 1, .separate_lights = true};
   const auto sets = trace(alone, panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(sets.size(), 1u) << "the point behind the lamp is hidden";
-  EXPECT_EQ(sets[0].name, "light 0");
+  EXPECT_EQ(sets[0].label.name, "light 0");
   EXPECT_EQ(sets[0].waves.size(), 16u);
 }
 

@@ -27,7 +27,7 @@ inline Hologram random_hologram(double wavelength, uint32_t seed, double illumin
   h.wavelength = wavelength;
   h.encoder = "phase";
   h.illumination = illumination;
-  h.frame = seed;
+  h.label.frame = seed;
   h.level = Array2D<uint16_t>(h.grid.ny, h.grid.nx);
   uint32_t state = 12345 + seed;
   for (uint16_t& level : h.level.values) level = uint16_t((state = state * 1664525 + 1013904223) >> 24);

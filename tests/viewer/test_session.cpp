@@ -77,7 +77,7 @@ TEST(Session, ADraftShowsTheFirstFrameOfEachColourAndName) {
   std::vector<Hologram> holograms{random_hologram(532e-9, 0), random_hologram(532e-9, 1), random_hologram(638e-9, 0, 2),
                                   random_hologram(638e-9, 1)};
   Hologram named = random_hologram(532e-9, 2);
-  named.name = "lamp";
+  named.label.name = "lamp";
   holograms.push_back(named);
   Session session({folder_of(holograms)});
   ViewState state = session.state_of({{"distance", "20 mm"}});

@@ -185,7 +185,7 @@ TEST(Bands, AreOfMethodsThatSumWaves) {
 TEST(Bands, KeepTheConeOfTheColours) {
   Sources sources = make_waves(40);
   const FieldDouble own = sum_exact(sources, bands_panel);
-  sources.cone_wavelength = 450e-9;
+  sources.label.cone_wavelength = 450e-9;
   const FieldDouble whole = sum_exact(sources, bands_panel);
   ASSERT_GT(test::relative_error(own, whole), 0.1);
   const SynthesizeParams params = params_of(SynthesisMethod::exact);

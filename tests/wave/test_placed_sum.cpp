@@ -33,9 +33,9 @@ using namespace literals;
 class PlacedSums : public test::StagesOnDevices {
  protected:
   PlacedSums() {
-    sources_.name = "lamp";
-    sources_.frame = 3;
-    sources_.cone_wavelength = 500_nm;
+    sources_.label.name = "lamp";
+    sources_.label.frame = 3;
+    sources_.label.cone_wavelength = 500_nm;
   }
   static const Field& field_of(const PlacedField& placed) { return *placed.on_processor(); }
   PlacedField placed_sum(const Grid& panel, const SynthesizeParams& params) const {
@@ -66,9 +66,9 @@ TEST_P(PlacedSums, AreTheFieldThatReturns) {
     const Field field = synthesize(sources_, panel_, params_);
     EXPECT_EQ(field_of(placed).samples.values, field.samples.values) << has_tiles;
     EXPECT_EQ(field_of(placed).wavelength, field.wavelength);
-    EXPECT_EQ(placed.head().name, "lamp");
-    EXPECT_EQ(placed.head().frame, 3u);
-    EXPECT_EQ(field_of(placed).cone_wavelength, 500_nm);
+    EXPECT_EQ(placed.head().label.name, "lamp");
+    EXPECT_EQ(placed.head().label.frame, 3u);
+    EXPECT_EQ(field_of(placed).label.cone_wavelength, 500_nm);
   }
 }
 
@@ -112,7 +112,7 @@ TEST_P(PlacedSums, OfTheProcessorAreItsOwn) {
   const SynthesizeParams params{.method = SynthesisMethod::tiled};
   Field field = into_field(placed_sum(params));
   EXPECT_EQ(field.samples.values, synthesize(sources_, panel_, params).samples.values);
-  EXPECT_EQ(field.name, "lamp");
+  EXPECT_EQ(field.label.name, "lamp");
 }
 
 TEST_P(PlacedSums, AreMovedOutIfNobodySharesThem) {
@@ -222,7 +222,7 @@ TEST_P(PlacedSums, AreSummedAgainIfTheirDeviceIsLost) {
   SynthesizeParams on_processor = params_;
   on_processor.device = {};
   EXPECT_EQ(placed.on_processor(observer)->samples.values, synthesize(sources_, panel_, on_processor).samples.values);
-  EXPECT_EQ(placed.on_processor()->name, "lamp");
+  EXPECT_EQ(placed.on_processor()->label.name, "lamp");
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].find("the device auto: the processor took over, because the device "), 0u);
   EXPECT_EQ(progress, 1) << "of the sum";

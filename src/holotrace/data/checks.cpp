@@ -66,7 +66,7 @@ void check_second_focus(const SecondFocus& focus, Vec3 origin, size_t source) {
 
 void check_sources(const Sources& sources) {
   check_wavelength(sources.wavelength);
-  check_cone(sources.cone_wavelength, sources.wavelength);
+  check_cone(sources.label.cone_wavelength, sources.wavelength);
   for (size_t j = 0; j < sources.waves.size(); ++j) {
     const Source& s = sources.waves[j];
     require(is_finite(s.origin) && std::isfinite(s.amplitude) && std::isfinite(s.phase),

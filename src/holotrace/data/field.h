@@ -1,12 +1,11 @@
 #pragma once
 
 #include <complex>
-#include <cstdint>
 #include <optional>
-#include <string>
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/label.h"
 
 namespace holotrace {
 
@@ -31,9 +30,7 @@ struct BasicField {
   Array2D<std::complex<Real>> samples;
   ImageSide image = ImageSide::virtual_image;
   std::optional<SpectralFilter> filter;  ///< stop that the encoder needs in the camera
-  std::string name;                      ///< name of the path group or light that it shows, "" for all light
-  uint32_t frame = 0;                    ///< index of the frame of a time-multiplexed hologram
-  double cone_wavelength = 0;            ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
+  Label label{};
 
   BasicField() = default;
   BasicField(const Grid& grid, double wavelength, double z = 0)
@@ -57,9 +54,7 @@ BasicField<To> convert(const BasicField<From>& field) {
   BasicField<To> out(field.grid, field.wavelength, field.z);
   out.image = field.image;
   out.filter = field.filter;
-  out.name = field.name;
-  out.frame = field.frame;
-  out.cone_wavelength = field.cone_wavelength;
+  out.label = field.label;
   for (size_t i = 0; i < field.samples.size(); ++i) out.samples.values[i] = std::complex<To>(field.samples.values[i]);
   return out;
 }

@@ -35,9 +35,7 @@ struct Hologram {
   /// path groups, lights, frames) that are shown together are lit in proportion to it. See encode.h.
   double illumination = 1;
   std::vector<JointColour> colours{};  ///< for a hologram of several wavelengths: all of them; otherwise empty
-  std::string name{};                  ///< name of the path group or light that it shows, "" for all light
-  uint32_t frame = 0;                  ///< index of the frame of a time-multiplexed hologram
-  double cone_wavelength = 0;          ///< acceptance wavelength of its waves (Sources) [m]; 0: its own
+  Label label{};
   /// What makes its light weaker in one colour than in another, so that views balance it (axial_reach): the cone of the
   /// waves that it shows, which the light of a target does not have; and the pixels' aperture, which iterations undo.
   bool loses_by_cone = true, loses_by_pixels = true;

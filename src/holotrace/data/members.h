@@ -21,10 +21,16 @@
 
 namespace holotrace {
 
+template <class Archive>
+void members(Archive& archive, Label& part) {
+  auto& [name, frame, cone] = part;
+  archive(name, frame, cone);
+}
+
 template <class Archive, class Real>
 void members(Archive& archive, BasicField<Real>& noun) {
-  auto& [grid, wavelength, z, samples, image, filter, name, frame, cone] = noun;
-  archive(grid, wavelength, z, samples, image, filter, name, frame, cone);
+  auto& [grid, wavelength, z, samples, image, filter, label] = noun;
+  archive(grid, wavelength, z, samples, image, filter, label);
 }
 
 template <class Archive>
@@ -41,8 +47,8 @@ void members(Archive& archive, TileAmplitudes& noun) {
 
 template <class Archive>
 void members(Archive& archive, Sources& noun) {
-  auto& [wavelength, waves, tiles, foci, name, keys, seed, frame, cone] = noun;
-  archive(wavelength, waves, tiles, foci, name, keys, seed, frame, cone);
+  auto& [wavelength, waves, tiles, foci, label, keys, seed] = noun;
+  archive(wavelength, waves, tiles, foci, label, keys, seed);
 }
 
 template <class Archive>
@@ -79,10 +85,10 @@ void members(Archive& archive, ViewingConditions& noun) {
 
 template <class Archive>
 void members(Archive& archive, Hologram& noun) {
-  auto& [grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
-         cone, by_cone, by_pixels, modulus_level, effects, viewing] = noun;
-  archive(grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, name, frame,
-          cone, by_cone, by_pixels, modulus_level, effects, viewing);
+  auto& [grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, label,
+         by_cone, by_pixels, modulus_level, effects, viewing] = noun;
+  archive(grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, label,
+          by_cone, by_pixels, modulus_level, effects, viewing);
 }
 
 template <class Archive>

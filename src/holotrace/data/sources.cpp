@@ -17,10 +17,10 @@ void set_frame(Sources& sources, uint32_t frame) {
   for (size_t i = 0; i < sources.phase_keys.size(); ++i) {
     const uint64_t key = sources.phase_keys[i];
     if (key == Sources::no_phase_key) continue;
-    const double change = random_phase(sources.seed, frame, key) - random_phase(sources.seed, sources.frame, key);
+    const double change = random_phase(sources.seed, frame, key) - random_phase(sources.seed, sources.label.frame, key);
     sources.waves[i].phase = float(sources.waves[i].phase + change);
   }
-  sources.frame = frame;
+  sources.label.frame = frame;
 }
 
 namespace {
@@ -48,10 +48,8 @@ bool are_from_behind(const Sources& sources) {
 Sources some_of(const Sources& sources, const std::vector<size_t>& indices) {
   Sources some{.wavelength = sources.wavelength,
                .tiles = {sources.tiles.columns, sources.tiles.rows, {}},
-               .name = sources.name,
-               .seed = sources.seed,
-               .frame = sources.frame,
-               .cone_wavelength = sources.cone_wavelength};
+               .label = sources.label,
+               .seed = sources.seed};
   const auto take = [&](const auto& all, size_t first, auto& to) {
     for (const size_t i : indices) to.push_back(all[first + i]);
   };

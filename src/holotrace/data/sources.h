@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "holotrace/base/vec.h"
+#include "holotrace/data/label.h"
 
 namespace holotrace {
 
@@ -46,18 +46,13 @@ struct Sources {
   std::vector<Source> waves{};
   TileAmplitudes tiles{};                  ///< amplitudes per tile; they replace those of the waves
   std::vector<SecondFocus> second_foci{};  ///< one of each wave; empty: all waves are spherical
-  std::string name{};                      ///< name of the path group or light that they show, "" for all light
+  Label label{};
 
   /// Waves with equal keys start with the same random phase, 2π·u(seed, frame, key) (source_phase.h); a wave
   /// without a random part has the key `no_phase_key`. Empty: no wave has one.
   std::vector<uint64_t> phase_keys{};
   uint64_t seed = 0;
-  uint32_t frame = 0;  ///< frame whose random phases the waves have
-
-  /// Acceptance wavelength: the one whose acceptance cone bounds the waves' boxes [m], at most the waves' own. If all
-  /// colours of a job share one cone, it is the job's shortest wavelength. 0: the waves' own.
-  double cone_wavelength = 0;
-  double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
+  double acceptance_wavelength() const { return label.cone_wavelength > 0 ? label.cone_wavelength : wavelength; }
 
   static constexpr uint64_t no_phase_key = ~uint64_t(0);
 };

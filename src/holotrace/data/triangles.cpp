@@ -12,18 +12,15 @@ namespace holotrace {
 void set_frame(Triangles& triangles, uint32_t frame) {
   for (size_t i = 0; i < triangles.phase_keys.size(); ++i) {
     const uint64_t key = triangles.phase_keys[i];
-    const double change = random_phase(triangles.seed, frame, key) - random_phase(triangles.seed, triangles.frame, key);
+    const double change =
+        random_phase(triangles.seed, frame, key) - random_phase(triangles.seed, triangles.label.frame, key);
     triangles.triangles[i].phase = float(triangles.triangles[i].phase + change);
   }
-  triangles.frame = frame;
+  triangles.label.frame = frame;
 }
 
 TriangleSides sides_of(const Triangles& triangles) {
-  const Triangles none{.wavelength = triangles.wavelength,
-                       .name = triangles.name,
-                       .seed = triangles.seed,
-                       .frame = triangles.frame,
-                       .cone_wavelength = triangles.cone_wavelength};
+  const Triangles none{.wavelength = triangles.wavelength, .label = triangles.label, .seed = triangles.seed};
   TriangleSides sides{none, none};
   for (const Triangle& t : triangles.triangles) {
     if (t.corners[0].z < 0) {

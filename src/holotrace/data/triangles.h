@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "holotrace/base/vec.h"
+#include "holotrace/data/label.h"
 
 namespace holotrace {
 
@@ -32,17 +33,12 @@ struct Triangle {
 struct Triangles {
   double wavelength = 0;  ///< wavelength of all triangles [m]
   std::vector<Triangle> triangles{};
-  std::string name{};  ///< name of the path group or light that they show, "" for all light
+  Label label{};
 
   /// Triangle i has the random phase 2π·u(seed, frame, phase_keys[i]), as waves have (Sources). Empty: none has one.
   std::vector<uint64_t> phase_keys{};
   uint64_t seed = 0;
-  uint32_t frame = 0;  ///< frame whose random phases the triangles have
-
-  /// Acceptance wavelength: the one whose acceptance cone bounds the triangles' light [m], at most their own. If all
-  /// colours of a job share one cone, it is the job's shortest wavelength. 0: their own.
-  double cone_wavelength = 0;
-  double acceptance_wavelength() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
+  double acceptance_wavelength() const { return label.cone_wavelength > 0 ? label.cone_wavelength : wavelength; }
 };
 
 /// Gives the triangles the random phases of another frame of a time-multiplexed hologram; all else stays the same.

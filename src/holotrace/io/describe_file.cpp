@@ -70,7 +70,7 @@ Json describe(const Sources& sources) {
             {"wavelength", format_length(sources.wavelength)},
             {"nearest", format_length(nearest)},
             {"farthest", format_length(farthest)}};
-  add_part(sources.name, sources.frame, json);
+  add_part(sources.label.name, sources.label.frame, json);
   if (sources.tiles.columns > 0) json["tiles"] = size_text(sources.tiles.columns, sources.tiles.rows);
   return json;
 }
@@ -94,7 +94,7 @@ Json describe(const std::vector<FieldDouble>& stack) {
             {"largest_amplitude", largest}};
   if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
     json["centre"] = format_length(field.grid.centre_x) + ", " + format_length(field.grid.centre_y);
-  add_part(field.name, field.frame, json);
+  add_part(field.label.name, field.label.frame, json);
   return json;
 }
 
@@ -195,7 +195,7 @@ Json describe_hologram(const Hologram& hologram) {
   json["image"] = hologram.image == ImageSide::real_image ? "real" : "virtual";
   if (!hologram.encoder.empty()) json["encoder"] = hologram.encoder;
   json["illumination_w_per_m2"] = hologram.illumination;
-  add_part(hologram.name, hologram.frame, json);
+  add_part(hologram.label.name, hologram.label.frame, json);
   add_viewing(hologram.viewing, json);
   return json;
 }

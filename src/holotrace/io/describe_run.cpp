@@ -72,7 +72,7 @@ FrameOfRun first_frame(const std::vector<std::string>& paths, const Hologram& fi
   FrameOfRun frame;
   for (size_t i = 0; i < paths.size(); ++i) {
     const Hologram hologram = i == 0 ? first : load_hologram(paths[i]);
-    if (hologram.frame != first.frame) break;
+    if (hologram.label.frame != first.label.frame) break;
     ++frame.holograms;
     std::vector<double> shown;
     for (const JointColour& colour : hologram.colours) shown.push_back(colour.wavelength);

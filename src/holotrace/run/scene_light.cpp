@@ -26,23 +26,20 @@ std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint3
     fields.push_back(set.triangles.empty()
                          ? Field(panel, set.wavelength)
                          : sum_triangles(set, panel, params.tolerance, part_of(observer, int(i), int(sets.size()))));
-    fields.back().name = set.name;
-    fields.back().frame = frame;
-    fields.back().cone_wavelength = set.cone_wavelength;
+    fields.back().label = set.label;
   }
   return fields;
 }
 
-Field labelled(Field field, const Sources& set) {
-  field.name = set.name;
-  field.frame = set.frame;
-  field.cone_wavelength = set.cone_wavelength;
+Field dark_field(const Grid& panel, const Sources& set) {
+  Field field(panel, set.wavelength);
+  field.label = set.label;
   return field;
 }
 
 // A set with the phases of a frame; the set itself, if it has them.
 std::shared_ptr<const Sources> sources_of_frame(const Sources& set, uint32_t frame) {
-  if (set.frame == frame) return std::shared_ptr<const Sources>(std::shared_ptr<const Sources>(), &set);
+  if (set.label.frame == frame) return std::shared_ptr<const Sources>(std::shared_ptr<const Sources>(), &set);
   auto of_frame = std::make_shared<Sources>(set);
   set_frame(*of_frame, frame);
   return of_frame;
@@ -77,7 +74,7 @@ std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const G
     part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
     const std::shared_ptr<const Sources> set = sources_of_frame(sources[i], frame);
     if (set->waves.empty() && has_waves)
-      fields.emplace_back(labelled(Field(panel, set->wavelength), *set));
+      fields.emplace_back(dark_field(panel, *set));
     else
       fields.push_back(sum(set, part));
   }
@@ -140,9 +137,8 @@ Sources points_of_scene(const Job& job) {
 
 std::vector<Field> fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
                                    const SynthesizeParams& params, const Observer& observer) {
-  return fields_of<Field>(light, frame, panel, params, observer, [&](const auto& set, const Observer& o) {
-    return labelled(synthesize(*set, panel, params, o), *set);
-  });
+  return fields_of<Field>(light, frame, panel, params, observer,
+                          [&](const auto& set, const Observer& o) { return synthesize(*set, panel, params, o); });
 }
 
 std::vector<PlacedField> placed_fields_of_frame(const SceneLight& light, uint32_t frame, const Grid& panel,
@@ -159,8 +155,8 @@ template <class Real>
 std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields) {
   std::vector<std::vector<BasicField<Real>>> groups;
   for (BasicField<Real>& field : fields) {
-    const auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.front().name == field.name; });
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& g) { return g.front().label.name == field.label.name; });
     if (group == groups.end())
       groups.emplace_back().push_back(std::move(field));
     else

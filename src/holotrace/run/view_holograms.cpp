@@ -43,7 +43,8 @@ SeriesViews view_holograms(const HologramSeries& holograms, const ViewingParams&
     const Viewing viewing{std::move(one.slm), params.show, params.propagation, from};
     const std::vector<double> wavelengths = wavelengths_shown(hologram, params.show);
     for (const double wavelength : wavelengths)
-      if (kinds.emplace(wavelength, hologram.name).second) check_memory(hologram, viewing, wavelength, kinds.size());
+      if (kinds.emplace(wavelength, hologram.label.name).second)
+        check_memory(hologram, viewing, wavelength, kinds.size());
     if (!repeat) {
       const int64_t colours = int64_t(holograms.count * wavelengths.size());
       const int64_t states = int64_t(plan_of(hologram, viewing, wavelengths.front()).states.size());

@@ -135,10 +135,10 @@ void add_weighted(const Image& view, double weight, Image& sum) {
 void add_view(const Hologram& hologram, double wavelength, const Slm& slm, const Viewpoint& from, const Image& view,
               CombinedViews& sum) {
   const double reach = axial_reach(slm,
-                                   {wavelength, hologram.image, hologram.filter, hologram.cone_wavelength,
+                                   {wavelength, hologram.image, hologram.filter, hologram.label.cone_wavelength,
                                     hologram.loses_by_cone, hologram.loses_by_pixels},
                                    from.distance, from.camera);
-  sum.add(wavelength, hologram.name, illumination_at(hologram, wavelength), view, reach);
+  sum.add(wavelength, hologram.label.name, illumination_at(hologram, wavelength), view, reach);
 }
 
 std::vector<double> wavelengths_shown(const Hologram& hologram, const ShowParams& show) {

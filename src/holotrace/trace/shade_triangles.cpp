@@ -279,8 +279,9 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
         part_of(observer, int(g), int(groups.size())));
     for (const ShadedBlock& block : blocks) counts += block.counts;
     for (size_t i = 0; i < sets.size(); ++i) {
-      Triangles set{sets[i].wavelength, {}, sets[i].name, {}, uint64_t(params.seed), 0};
-      set.cone_wavelength = sets[i].cone_wavelength;
+      Triangles set{.wavelength = sets[i].wavelength, .seed = uint64_t(params.seed)};
+      set.label.name = sets[i].name;
+      set.label.cone_wavelength = sets[i].cone_wavelength;
       for (const ShadedBlock& block : blocks) {
         set.triangles.insert(set.triangles.end(), block.triangles[i].begin(), block.triangles[i].end());
         if (phase == TrianglePhase::random)

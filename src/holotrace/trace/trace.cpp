@@ -64,8 +64,8 @@ Sources join(const Tracing& t, size_t s, TracedWaves& points, std::vector<Block>
   if (t.params.phase != SourcePhase::random) merge_waves(all, t.side, tiles);
   Sources sources;
   sources.wavelength = t.sets[s].wavelength;
-  sources.cone_wavelength = t.sets[s].cone_wavelength;
-  sources.name = t.sets[s].name;
+  sources.label.cone_wavelength = t.sets[s].cone_wavelength;
+  sources.label.name = t.sets[s].name;
   sources.seed = uint64_t(t.params.seed);
   const size_t count = all.waves.size();
   if (tiles > 0) {

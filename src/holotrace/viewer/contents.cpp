@@ -62,9 +62,7 @@ ViewedItem item_of_field(const std::string& path, Field field, const ContentsPar
   hologram.image = field.image;
   hologram.filter = field.filter;
   hologram.encoder = "field";
-  hologram.name = field.name;
-  hologram.frame = field.frame;
-  hologram.cone_wavelength = field.cone_wavelength;
+  hologram.label = field.label;
   hologram.loses_by_pixels = false;
   if (params.slm.empty())
     item.slm.name = "field";

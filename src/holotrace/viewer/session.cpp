@@ -57,7 +57,7 @@ std::vector<size_t> first_frames(const std::vector<size_t>& chosen, const std::v
   std::set<std::pair<double, std::string>> kinds;
   std::vector<size_t> first;
   for (const size_t i : chosen)
-    if (kinds.emplace(items[i].hologram.wavelength, items[i].hologram.name).second) first.push_back(i);
+    if (kinds.emplace(items[i].hologram.wavelength, items[i].hologram.label.name).second) first.push_back(i);
   return first;
 }
 

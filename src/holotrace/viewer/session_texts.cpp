@@ -79,7 +79,7 @@ std::string Session::memory_text() {
                                         wavelengths_of(item), item.hologram.image, item.hologram.filter);
   std::set<std::pair<double, std::string>> kinds;  // that are summed apart
   for (const ViewedItem& one : contents_->items)
-    for (const double wavelength : wavelengths_of(one)) kinds.emplace(wavelength, one.hologram.name);
+    for (const double wavelength : wavelengths_of(one)) kinds.emplace(wavelength, one.hologram.label.name);
   const double sums = viewing_bytes(need.columns * need.rows, 1, double(kinds.size()), 1);
   return fmt::format(
       "{} {} of {} × {} pixels: up to {} of memory for them and their light, and {} while a picture is computed",
@@ -96,8 +96,8 @@ std::string Session::describe() {
     Json one{{"file", std::filesystem::path(item.file).filename().string()},
              {"is_field", item.field.has_value()},
              {"wavelengths_m", wavelengths_of(item)},
-             {"name", h.name},
-             {"frame", h.frame},
+             {"name", h.label.name},
+             {"frame", h.label.frame},
              {"encoder", h.encoder},
              {"image", h.image == ImageSide::real_image ? "real" : "virtual"},
              {"effects", item.field ? std::vector<std::string>() : effects_of(item.slm)},

@@ -26,8 +26,7 @@ int tile_row_of(const TileAmplitudes& tiles, const Grid& panel, int row) {
 
 // The waves that light pixels of the band, with the amplitudes of its tiles.
 Sources sources_of_band(const Sources& all, const Grid& panel, const Grid& grid, int first_row) {
-  Sources some{
-      .wavelength = all.wavelength, .name = all.name, .frame = all.frame, .cone_wavelength = all.cone_wavelength};
+  Sources some{.wavelength = all.wavelength, .label = all.label};
   const int columns = all.tiles.columns;
   const size_t count = all.waves.size();
   const size_t first_tile = columns > 0 ? size_t(tile_row_of(all.tiles, panel, first_row)) * size_t(columns) : 0;

@@ -233,32 +233,25 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   const auto sum = [&](const Sources& kind, const Observer& of_kind) {
     return sum_where_chosen(kind, grid, params, {}, of_kind).field;
   };
-  if (params.method == SynthesisMethod::layers) return sum(sources, observer);  // near waves hide those on both sides
+  if (params.method == SynthesisMethod::layers) {  // near waves hide those on both sides
+    Field field = sum(sources, observer);
+    field.label = sources.label;
+    return field;
+  }
   return sum_by_kind(sources, observer, sum);
 }
 
 PlacedField synthesize_placed(std::shared_ptr<const Sources> sources, const Grid& grid, const SynthesizeParams& params,
                               const Observer& observer, bool returns) {
-  const auto label = [](const Sources& from, Field& field) {
-    field.name = from.name;
-    field.frame = from.frame;
-    field.cone_wavelength = from.cone_wavelength;
-  };
-  if (!are_from_behind(*sources)) {
-    Field field = synthesize(*sources, grid, params, observer);
-    label(*sources, field);
-    return PlacedField(std::move(field));
-  }
+  if (!are_from_behind(*sources)) return PlacedField(synthesize(*sources, grid, params, observer));
   SummedField sum = sum_where_chosen(*sources, grid, params, {true, returns}, observer);
-  label(*sources, sum.there ? sum.there->head : sum.field);
+  (sum.there ? sum.there->head : sum.field).label = sources->label;
   if (!sum.there) return PlacedField(std::move(sum.field));
   if (params.device.kind != DeviceKind::automatic) return PlacedField(std::move(*sum.there));
-  const auto again = [sources, grid, params, label](const Observer& o) {
+  const auto again = [sources, grid, params](const Observer& o) {
     SynthesizeParams on_processor = params;
     on_processor.device = {};
-    Field field = synthesize(*sources, grid, on_processor, o);
-    label(*sources, field);
-    return field;
+    return synthesize(*sources, grid, on_processor, o);
   };
   return PlacedField(std::move(*sum.there), again);
 }

@@ -21,8 +21,8 @@ std::vector<Field> make_fields(size_t count = 2) {
   CounterRandom random(3, 0, 0);
   for (size_t n = 0; n < count; ++n) {
     fields.emplace_back(Grid{37, 300, 8e-6}, n == 0 ? 532e-9 : 638e-9);
-    fields.back().name = "EL";
-    fields.back().frame = 2;
+    fields.back().label.name = "EL";
+    fields.back().label.frame = 2;
     for (auto& u : fields.back().samples.values) u = {float(random.uniform()), float(random.uniform())};
   }
   return fields;
@@ -70,8 +70,8 @@ TEST(FieldBands, AreAFieldFileLikeAnyOther) {
       EXPECT_EQ(loaded[n].samples.values, fields[n].samples.values);
       EXPECT_EQ(loaded[n].grid, fields[n].grid);
       EXPECT_EQ(loaded[n].wavelength, fields[n].wavelength);
-      EXPECT_EQ(loaded[n].name, "EL");
-      EXPECT_EQ(loaded[n].frame, 2u);
+      EXPECT_EQ(loaded[n].label.name, "EL");
+      EXPECT_EQ(loaded[n].label.frame, 2u);
     }
     EXPECT_FALSE(fs::exists(path + ".partial"));
     EXPECT_FALSE(fs::exists(path + ".partial.json"));

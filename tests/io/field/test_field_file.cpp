@@ -20,7 +20,7 @@ BasicField<Real> some_field(bool with_filter = true) {
   for (int i = 0; i < 6; ++i) field.samples.values[size_t(i)] = {Real(0.1) * Real(i), Real(-1) / Real(i + 3)};
   field.image = ImageSide::real_image;
   if (with_filter) field.filter = SpectralFilter{31250.5, 0, 1e4, 62500};
-  if (with_filter) field.cone_wavelength = 450.7e-9;  // otherwise its own, as in older files without this key
+  if (with_filter) field.label.cone_wavelength = 450.7e-9;  // otherwise its own, as in older files without this key
   return field;
 }
 
@@ -32,7 +32,7 @@ void expect_equal(const BasicField<Real>& a, const BasicField<Real>& b) {
   EXPECT_EQ(a.z, b.z);
   EXPECT_EQ(a.image, b.image);
   EXPECT_EQ(a.filter, b.filter);
-  EXPECT_EQ(a.cone_wavelength, b.cone_wavelength);
+  EXPECT_EQ(a.label.cone_wavelength, b.label.cone_wavelength);
   EXPECT_EQ(a.samples.values, b.samples.values);
 }
 
@@ -133,8 +133,8 @@ TEST_P(FieldFile, AFieldInColourComesBackAsSaved) {
   for (size_t n = 0; n < 3; ++n) {
     stack[n].wavelength = (638 - 90.0 * double(n)) * 1e-9;
     stack[n].samples(1, 2) = {float(n), 7};
-    stack[n].name = "ED*L";
-    stack[n].frame = 5;
+    stack[n].label.name = "ED*L";
+    stack[n].label.frame = 5;
   }
   if (std::string(GetParam()) == ".exr") {
     EXPECT_EQ(error_of([&] { save_fields(path, stack); }),
@@ -146,8 +146,8 @@ TEST_P(FieldFile, AFieldInColourComesBackAsSaved) {
   ASSERT_EQ(loaded.size(), stack.size());
   for (size_t n = 0; n < stack.size(); ++n) {
     expect_equal(loaded[n], stack[n]);
-    EXPECT_EQ(loaded[n].name, "ED*L");
-    EXPECT_EQ(loaded[n].frame, 5u);
+    EXPECT_EQ(loaded[n].label.name, "ED*L");
+    EXPECT_EQ(loaded[n].label.frame, 5u);
   }
   const std::vector<FieldDouble> wide = load_fields_double(path);
   ASSERT_EQ(wide.size(), stack.size());
@@ -173,8 +173,8 @@ TEST_P(FieldFile, EveryFieldOfAStackKeepsItsOwnCone) {
   if (path.ends_with(".exr")) return;  // holds one field
   std::vector<Field> stack{some_field<float>(), some_field<float>(), some_field<float>()};
   for (size_t n = 0; n < 3; ++n) stack[n].wavelength = (630 - 90.0 * double(n)) * 1e-9;
-  stack[1].cone_wavelength = 0;
-  stack[2].cone_wavelength = 449e-9;
+  stack[1].label.cone_wavelength = 0;
+  stack[2].label.cone_wavelength = 449e-9;
   save_fields(path, stack);
   const std::vector<Field> again = load_fields(path);
   ASSERT_EQ(again.size(), 3u);

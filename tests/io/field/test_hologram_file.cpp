@@ -98,18 +98,18 @@ TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
   const std::string path = temporary("h.png");
   Hologram hologram = all_levels(16, Modulation::phase);
   hologram.illumination = 0.1 + 0.2;
-  hologram.name = "ES*L";
-  hologram.frame = 12;
-  hologram.cone_wavelength = 450.7e-9;
+  hologram.label.name = "ES*L";
+  hologram.label.frame = 12;
+  hologram.label.cone_wavelength = 450.7e-9;
   hologram.loses_by_cone = false;
   save_hologram(path, hologram);
   const Hologram loaded = load_hologram(path);
   EXPECT_EQ(loaded.illumination, hologram.illumination);
-  EXPECT_EQ(loaded.name, "ES*L");
-  EXPECT_EQ(loaded.cone_wavelength, 450.7e-9);
+  EXPECT_EQ(loaded.label.name, "ES*L");
+  EXPECT_EQ(loaded.label.cone_wavelength, 450.7e-9);
   EXPECT_FALSE(loaded.loses_by_cone);
   EXPECT_TRUE(loaded.loses_by_pixels);
-  EXPECT_EQ(loaded.frame, 12u);
+  EXPECT_EQ(loaded.label.frame, 12u);
   // Older files, and those without metadata, have the same brightness.
   test::drop_metadata(path);
   EXPECT_EQ(load_hologram(path).illumination, 1);
@@ -219,11 +219,11 @@ TEST(HologramFile, SidecarsOfEarlierVersionsAreRead) {
 TEST(HologramFile, MetadataIsAsciiInsideThePng) {
   const std::string path = temporary("h.png");
   Hologram hologram = all_levels(4, Modulation::phase);
-  hologram.name = "Würfel 箱";
+  hologram.label.name = "Würfel 箱";
   save_hologram(path, hologram, {2, 3}, [] { return FileRecord{{"h_modulus.png", 7}}; });
   const std::string text = test::png_text(path, "holotrace");
   EXPECT_TRUE(std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; })) << text;
-  EXPECT_EQ(load_hologram(path).name, hologram.name);
+  EXPECT_EQ(load_hologram(path).label.name, hologram.label.name);
   EXPECT_EQ(series_part(path).number, 2U);
   EXPECT_EQ(series_part(path).count, 3U);
   EXPECT_EQ(hologram_record(path), (FileRecord{{"h_modulus.png", 7}}));

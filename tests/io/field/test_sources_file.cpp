@@ -37,21 +37,21 @@ TEST(SourcesFile, SourcesComeBackAsSaved) {
 TEST(SourcesFile, KeysTilesNameAndFrameComeBackAsSaved) {
   const std::string path = temporary("s.ply");
   Sources sources = some_sources;
-  sources.name = "lamp of the desk";
+  sources.label.name = "lamp of the desk";
   sources.phase_keys = {0x123456789abcdef0, Sources::no_phase_key};  // 64 bits, more than a double can hold
   sources.seed = ~uint64_t(0) - 5;
-  sources.frame = 3000000000u;
-  sources.cone_wavelength = 450.7e-9;
+  sources.label.frame = 3000000000u;
+  sources.label.cone_wavelength = 450.7e-9;
   sources.tiles = {3, 2, {}};
   for (int i = 0; i < 12; ++i) sources.tiles.values.push_back(std::sqrt(float(i)));
   save_sources(path, sources);
   const Sources loaded = load_sources(path);
   EXPECT_EQ(loaded.waves, sources.waves);
-  EXPECT_EQ(loaded.name, sources.name);
+  EXPECT_EQ(loaded.label.name, sources.label.name);
   EXPECT_EQ(loaded.phase_keys, sources.phase_keys);
   EXPECT_EQ(loaded.seed, sources.seed);
-  EXPECT_EQ(loaded.frame, sources.frame);
-  EXPECT_EQ(loaded.cone_wavelength, sources.cone_wavelength);
+  EXPECT_EQ(loaded.label.frame, sources.label.frame);
+  EXPECT_EQ(loaded.label.cone_wavelength, sources.label.cone_wavelength);
   EXPECT_EQ(loaded.tiles, sources.tiles);
   const std::string bytes = read_text(path);
   save_sources(path, loaded);

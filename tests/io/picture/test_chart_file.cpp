@@ -60,6 +60,16 @@ TEST(ChartFile, APngHasEveryLineInItsColourOnWhite) {
   EXPECT_GT(count_of(image, 0x00, 0x9E, 0x73), 500);
 }
 
+TEST(ChartFile, ASeriesMayHaveTheColourOfAnother) {
+  const std::string path = temporary("same.png");
+  Chart chart = sweep();
+  chart.series[1].colour = 0;
+  save_chart(path, chart);
+  const Image image = load_image(path);
+  EXPECT_GT(count_of(image, 0x00, 0x72, 0xB2), 1000) << "two lines";
+  EXPECT_EQ(count_of(image, 0xD5, 0x5E, 0x00), 0);
+}
+
 TEST(ChartFile, AnSvgHasItsWordsAsTheyAre) {
   const std::string path = temporary("sweep.svg");
   save_chart(path, sweep());

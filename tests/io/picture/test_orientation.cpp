@@ -123,8 +123,9 @@ TEST(PictureOrientation, ATiffStandsAsItsTagSays) {
 }
 
 TEST(PictureOrientation, OfOtherNumbersAndDamagedDataIsNone) {
-  for (const std::string& data : {exif(0, true), exif(9, true), exif(6, true).substr(0, 20),
-                                  std::string("II*\0\xFF\xFF", 6), std::string("MM\0*\xFF\xFF\xFF\xF0", 8)}) {
+  for (const std::string& data :
+       {exif(0, true), exif(9, true), exif(6, true).substr(0, 20), std::string("II*\0\x09\0\0\0", 8),
+        std::string("II*\0\xFF\xFF", 6), std::string("MM\0*\xFF\xFF\xFF\xF0", 8)}) {
     const std::string path = six_pixels("damaged.png");
     set_chunks(path, {"sRGB" + std::string(1, '\0'), "eXIf" + data});
     expect_upright(load_image(path), 1);

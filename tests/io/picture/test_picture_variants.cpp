@@ -171,6 +171,12 @@ TEST(PictureVariants, ARadiancePictureInRunsOfItsFirstKind) {
       EXPECT_NEAR(image(0, i, c), std::pow(0.5, c), 0.5 / 128) << i << " " << c;
 }
 
+TEST(PictureVariants, ARadiancePictureHasRowsAndColumns) {
+  for (const std::string& size : {"-Y 0 +X 10", "-Y 1 +X 0", "-Y 1 +X", "-Y -1 +X 10"})
+    EXPECT_THROW(decoded("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n\x80\x40\x20\x81\1\1\1\x09"), Error)
+        << size;
+}
+
 TEST(PictureVariants, AGreyExrWithAlphaIsItsGrey) {
   const std::string path = test::temporary("grey.exr");
   const float samples[] = {0.25F, 1, 0.75F, 0.5F};  // Y, A of two pixels

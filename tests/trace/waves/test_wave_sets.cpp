@@ -27,8 +27,8 @@ TEST(WaveSets, PathGroupsOfAPartitionAddUpToTheWhole) {
   params.separate_path_groups = true;
   const std::vector<Sources> path_groups = trace(make_corner(), sets_panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(path_groups.size(), 2u) << "nothing that shines is seen directly: EL has no wave and is left out";
-  EXPECT_EQ(path_groups[0].name, "EDL");
-  EXPECT_EQ(path_groups[1].name, "EDD.*L");
+  EXPECT_EQ(path_groups[0].label.name, "EDL");
+  EXPECT_EQ(path_groups[1].label.name, "EDD.*L");
   double sum = 0;
   for (const Sources& path_group : path_groups) sum += squared_amplitudes(path_group);
   // The same paths, split among sums: a² of floats, 1e-7 each.
@@ -46,9 +46,9 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
   params.separate_lights = true;
   const std::vector<Sources> lights = trace(scene, sets_panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(lights.size(), 3u);
-  EXPECT_EQ(lights[0].name, "light 0");
-  EXPECT_EQ(lights[1].name, "light 1");
-  EXPECT_EQ(lights[2].name, "points");
+  EXPECT_EQ(lights[0].label.name, "light 0");
+  EXPECT_EQ(lights[1].label.name, "light 1");
+  EXPECT_EQ(lights[2].label.name, "points");
   EXPECT_EQ(lights[2].waves.size(), 1u);
   double sum = 0;
   for (const Sources& light : lights) sum += squared_amplitudes(light);
@@ -57,8 +57,8 @@ TEST(WaveSets, LightsOfTheirOwnAddUpToTheWholeAndEmptyOnesAreLeftOut) {
   params.separate_path_groups = true;
   const std::vector<Sources> both = trace(scene, sets_panel, std::vector<double>{green_light}, params);
   ASSERT_EQ(both.size(), 4u) << "a point is the path EL, which is in neither path group";
-  EXPECT_EQ(both[0].name, "EDL, light 0");
-  EXPECT_EQ(both[3].name, "EDD.*L, light 1");
+  EXPECT_EQ(both[0].label.name, "EDL, light 0");
+  EXPECT_EQ(both[3].label.name, "EDD.*L, light 1");
 }
 
 TEST(WaveSets, AListOfWavelengthsIsEachByItselfFromTheFirstHitsOfTheLongestWithoutACommonCone) {
@@ -91,11 +91,11 @@ TEST(WaveSets, WithACommonConeAllWavelengthsHaveTheFirstHitsOfTheShortest) {
     const Sources blue = trace(make_corner(), sets_panel, 450_nm, params);
     ASSERT_EQ(sets.size(), 4u);
     for (const Sources& set : sets) {
-      EXPECT_EQ(set.cone_wavelength, 450_nm);
+      EXPECT_EQ(set.label.cone_wavelength, 450_nm);
       ASSERT_EQ(set.waves.size(), blue.waves.size());
       for (size_t i = 0; i < blue.waves.size(); ++i) EXPECT_EQ(set.waves[i].origin, blue.waves[i].origin);
     }
-    EXPECT_EQ(blue.cone_wavelength, 0) << "one wavelength has its own";
+    EXPECT_EQ(blue.label.cone_wavelength, 0) << "one wavelength has its own";
   }
 }
 

@@ -88,6 +88,13 @@ TEST(DepthLayers, AreAsManyAsTheDepthOfFocusNeeds) {
   EXPECT_NEAR(depth_of_focus(0.2, small, green), 4 * green * 0.2 * 0.2 / (1.024e-3 * 1.024e-3), 1e-5);
   EXPECT_EQ(slice_depth_image(image, large, green, {}, slices(0)).depths.size(), 21U);
   EXPECT_EQ(slice_depth_image(image, small, green, {}, slices(0)).depths.size(), 1U);
+  // In front of the panel there are as many as behind it.
+  for (int i = 0; i < 1000; ++i) image.depth(0, i) = image.depth(1, i) = float(0.02 + 0.2 * i / 999);
+  const size_t behind = slice_depth_image(image, small, green, {}, slices(0)).depths.size();
+  for (float& depth : image.depth.values) depth = -depth;
+  EXPECT_GT(behind, 20U);
+  EXPECT_EQ(slice_depth_image(image, small, green, {}, slices(0)).depths.size(), behind);
+  for (int i = 0; i < 1000; ++i) image.depth(0, i) = image.depth(1, i) = float(0.195 + 0.01 * i / 999);
   SynthesizeParams coarse;
   coarse.tolerance = 0.9;  // allows fewer
   Heard heard;

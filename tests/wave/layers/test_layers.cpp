@@ -362,6 +362,14 @@ TEST(Layers, RefuseWhatTheyCannotSum) {
             "expected a pitch above half a wavelength for silhouettes, got 200 nm at 532 nm");
 }
 
+TEST(LayersOfSamples, InThePanelAreItsField) {
+  const Grid grid{16, 12, 8_um};
+  Slice slice{Field(grid, green), {}};
+  for (size_t i = 0; i < slice.light.samples.size(); ++i)
+    slice.light.samples.values[i] = {float(i % 5), float(i % 3) - 1};
+  EXPECT_LT(relative_error(sum_layers(Layers{green, {slice}}, grid), slice.light), 1e-6);
+}
+
 TEST(LayersOfSamples, AreCheckedBeforeTheyAreSummed) {
   const Grid grid{16, 12, 8_um};
   const Slice good{Field(grid, green, -0.1_m), {}};

@@ -34,9 +34,9 @@ void save_field_exr(const std::string& path, const Field& field) {
   if (field.grid.centre_x != 0) put("centre_x_m", field.grid.centre_x);
   if (field.grid.centre_y != 0) put("centre_y_m", field.grid.centre_y);
   header.texts["image"] = image_side_name(field.image);
-  if (!field.name.empty()) header.texts["name"] = field.name;
-  if (field.frame > 0) put("frame", field.frame);
-  if (field.cone_wavelength > 0) put("cone_wavelength_m", field.cone_wavelength);
+  if (!field.label.name.empty()) header.texts["name"] = field.label.name;
+  if (field.label.frame > 0) put("frame", field.label.frame);
+  if (field.label.cone_wavelength > 0) put("cone_wavelength_m", field.label.cone_wavelength);
   if (field.filter) {
     const double values[] = {field.filter->u0, field.filter->v0, field.filter->half_u, field.filter->half_v};
     for (int i = 0; i < 4; ++i) put(filter_attributes[i], values[i]);
@@ -73,9 +73,9 @@ Field read_field_exr(const std::string& path) {
   if (has("centre_x_m")) field.grid.centre_x = header_number(*picture, "centre_x_m", path);
   if (has("centre_y_m")) field.grid.centre_y = header_number(*picture, "centre_y_m", path);
   if (has("image")) field.image = image_side_from(picture->text("image"), path);
-  field.name = printable(picture->text("name"));
-  if (has("frame")) field.frame = frame_from(header_number(*picture, "frame", path), path);
-  if (has("cone_wavelength_m")) field.cone_wavelength = header_number(*picture, "cone_wavelength_m", path);
+  field.label.name = printable(picture->text("name"));
+  if (has("frame")) field.label.frame = frame_from(header_number(*picture, "frame", path), path);
+  if (has("cone_wavelength_m")) field.label.cone_wavelength = header_number(*picture, "cone_wavelength_m", path);
   if (has(filter_attributes[0]))
     field.filter = SpectralFilter{
         header_number(*picture, filter_attributes[0], path), header_number(*picture, filter_attributes[1], path),

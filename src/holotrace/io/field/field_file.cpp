@@ -36,12 +36,12 @@ std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
                               {"image", image_side_name(field.image)}};
   if (field.grid.centre_x != 0) json["centre_x_m"] = field.grid.centre_x;
   if (field.grid.centre_y != 0) json["centre_y_m"] = field.grid.centre_y;
-  if (!field.name.empty()) json["name"] = field.name;
-  if (field.frame > 0) json["frame"] = field.frame;
+  if (!field.label.name.empty()) json["name"] = field.label.name;
+  if (field.label.frame > 0) json["frame"] = field.label.frame;
   if (const std::vector<double> cones = different_cones(stack); !cones.empty())
     json["cone_wavelengths_m"] = cones;
-  else if (field.cone_wavelength > 0)
-    json["cone_wavelength_m"] = field.cone_wavelength;
+  else if (field.label.cone_wavelength > 0)
+    json["cone_wavelength_m"] = field.label.cone_wavelength;
   if (field.filter) json["filter"] = filter_to_json(*field.filter);
   return json.dump(2) + "\n";
 }
@@ -78,8 +78,8 @@ std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   const std::vector<double> wavelengths = numbers_of_fields(json, "wavelengths_m", arrays.size(), sidecar);
   field.z = metadata_number(json, sidecar, "z_m", 0.0);
   field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
-  field.name = metadata_text(json, sidecar, "name", "");
-  field.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
+  field.label.name = metadata_text(json, sidecar, "name", "");
+  field.label.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
   std::vector<double> cones(arrays.size(), metadata_number(json, sidecar, "cone_wavelength_m", 0.0));
   if (json.contains("cone_wavelengths_m"))
     cones = numbers_of_fields(json, "cone_wavelengths_m", arrays.size(), sidecar);
@@ -87,7 +87,7 @@ std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   std::vector<BasicField<Real>> stack;
   for (size_t n = 0; n < arrays.size(); ++n) {
     field.wavelength = wavelengths[n];
-    field.cone_wavelength = cones[n];
+    field.label.cone_wavelength = cones[n];
     stack.push_back(field);
     stack.back().samples = std::move(arrays[n]);
   }
@@ -149,7 +149,8 @@ void check_stack(const std::string& path, const std::vector<BasicField<Real>>& s
             "expected {} × {} samples in the field to save as {}, got {} × {}", field.grid.nx, field.grid.ny, path,
             field.samples.nx, field.samples.ny);
     require(field.grid == first.grid && field.z == first.z && field.image == first.image &&
-                field.filter == first.filter && field.name == first.name && field.frame == first.frame,
+                field.filter == first.filter && field.label.name == first.label.name &&
+                field.label.frame == first.label.frame,
             "expected fields that differ in wavelength alone to save as {}, got other grids, planes, image sides, "
             "filters, names or frames; save each as its own field",
             path);

@@ -18,8 +18,8 @@ std::vector<double> different_cones(const std::vector<BasicField<Real>>& stack) 
   std::vector<double> cones;
   bool do_differ = false;
   for (const auto& field : stack) {
-    cones.push_back(field.cone_wavelength);
-    do_differ |= field.cone_wavelength != stack.front().cone_wavelength;
+    cones.push_back(field.label.cone_wavelength);
+    do_differ |= field.label.cone_wavelength != stack.front().label.cone_wavelength;
   }
   return do_differ ? cones : std::vector<double>();
 }

@@ -34,12 +34,12 @@ hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid
   if (field.grid.centre_x != 0) write_number(data, "centre_x_m", field.grid.centre_x, path);
   if (field.grid.centre_y != 0) write_number(data, "centre_y_m", field.grid.centre_y, path);
   write_word(data, "image", image_side_name(field.image), path);
-  if (!field.name.empty()) write_word(data, "name", field.name, path);
-  if (field.frame > 0) write_number(data, "frame", field.frame, path);
+  if (!field.label.name.empty()) write_word(data, "name", field.label.name, path);
+  if (field.label.frame > 0) write_number(data, "frame", field.label.frame, path);
   if (const std::vector<double> cones = different_cones(stack); !cones.empty())
     write_numbers(data, "cone_wavelengths_m", cones, path);
-  else if (field.cone_wavelength > 0)
-    write_number(data, "cone_wavelength_m", field.cone_wavelength, path);
+  else if (field.label.cone_wavelength > 0)
+    write_number(data, "cone_wavelength_m", field.label.cone_wavelength, path);
   if (field.filter) {
     const SpectralFilter& f = *field.filter;
     const double values[] = {f.u0, f.v0, f.half_u, f.half_v};

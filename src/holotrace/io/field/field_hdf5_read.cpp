@@ -149,9 +149,9 @@ BasicField<Real> field_of(const Head& head, const std::string& image, const std:
   field.grid.centre_y = head.centre_y;
   field.z = head.z;
   if (!image.empty()) field.image = image_side_from(image, path);
-  field.name = printable(name);
-  field.frame = frame_from(head.frame, path);
-  field.cone_wavelength = head.cone_wavelength;
+  field.label.name = printable(name);
+  field.label.frame = frame_from(head.frame, path);
+  field.label.cone_wavelength = head.cone_wavelength;
   if (head.has_filter) field.filter = SpectralFilter{head.filter[0], head.filter[1], head.filter[2], head.filter[3]};
   return field;
 }
@@ -186,7 +186,7 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside 
     require_memory(double(wavelengths.size()) * double(head.ny) * double(head.nx) * 2 * sizeof(Real), path);
     for (size_t n = 0; n < wavelengths.size(); ++n) {
       field.wavelength = wavelengths[n];
-      field.cone_wavelength = cones[n];
+      field.label.cone_wavelength = cones[n];
       stack.push_back(field);
       stack.back().samples = Array2D<std::complex<Real>>(field.grid.ny, field.grid.nx);
       auto& values = stack.back().samples.values;

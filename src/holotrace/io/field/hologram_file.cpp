@@ -187,9 +187,9 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
                               {"illumination_w_per_m2", hologram.illumination}};
   for (const JointColour& colour : hologram.colours)
     json["colours"].push_back({{"wavelength_m", colour.wavelength}, {"illumination_w_per_m2", colour.illumination}});
-  if (!hologram.name.empty()) json["name"] = hologram.name;
-  if (hologram.frame > 0) json["frame"] = hologram.frame;
-  if (hologram.cone_wavelength > 0) json["cone_wavelength_m"] = hologram.cone_wavelength;
+  if (!hologram.label.name.empty()) json["name"] = hologram.label.name;
+  if (hologram.label.frame > 0) json["frame"] = hologram.label.frame;
+  if (hologram.label.cone_wavelength > 0) json["cone_wavelength_m"] = hologram.label.cone_wavelength;
   if (!hologram.loses_by_cone || !hologram.loses_by_pixels) {
     json["loses_by"] = nlohmann::json::array();
     if (hologram.loses_by_cone) json["loses_by"].push_back("cone");
@@ -297,9 +297,9 @@ Hologram load_hologram(const std::string& path, const CompleteHologram& complete
     require(hologram.illumination >= 0, "{}: expected an illumination of 0 W/m² or more, got {} W/m²", sidecar,
             hologram.illumination);
     if (json.contains("colours")) hologram.colours = colours_from(json["colours"], sidecar);
-    hologram.name = metadata_text(json, sidecar, "name", "");
-    hologram.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
-    hologram.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
+    hologram.label.name = metadata_text(json, sidecar, "name", "");
+    hologram.label.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
+    hologram.label.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
     if (json.contains("loses_by")) read_losses(json["loses_by"], sidecar, hologram);
     hologram.filter = filter_from_json(json, sidecar);
     hologram.effects = metadata_texts(json, sidecar, "effects");

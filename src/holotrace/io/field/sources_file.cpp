@@ -92,18 +92,19 @@ TileAmplitudes tiles_of(const PlyVertices& vertices) {
 
 // Checks that the name fits into one line of the header.
 void check_name(const std::string& path, const Sources& sources) {
-  require(sources.name.find_first_of("\r\n") == std::string::npos,
-          "expected a name of one line for the sources to save as {}, got \"{}\"", path, sources.name);
+  require(sources.label.name.find_first_of("\r\n") == std::string::npos,
+          "expected a name of one line for the sources to save as {}, got \"{}\"", path, sources.label.name);
 }
 
 std::string header_of(const Sources& sources) {
   std::string text =
       fmt::format("ply\nformat binary_little_endian 1.0\ncomment wavelength_m {:.17g}\n", sources.wavelength);
   const TileAmplitudes& tiles = sources.tiles;
-  if (sources.cone_wavelength > 0) text += fmt::format("comment cone_wavelength_m {:.17g}\n", sources.cone_wavelength);
-  if (!sources.name.empty()) text += fmt::format("comment name {}\n", sources.name);
+  if (sources.label.cone_wavelength > 0)
+    text += fmt::format("comment cone_wavelength_m {:.17g}\n", sources.label.cone_wavelength);
+  if (!sources.label.name.empty()) text += fmt::format("comment name {}\n", sources.label.name);
   if (!sources.phase_keys.empty())
-    text += fmt::format("comment seed {}\ncomment frame {}\n", sources.seed, sources.frame);
+    text += fmt::format("comment seed {}\ncomment frame {}\n", sources.seed, sources.label.frame);
   if (tiles.columns > 0) text += fmt::format("comment tiles {} {}\n", tiles.columns, tiles.rows);
   text += fmt::format(
       "element vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty float amplitude\n"
@@ -159,12 +160,12 @@ Sources load_sources(const std::string& path, double default_wavelength) {
         "nm\"",
         path);
   if (const auto text = comment_of(vertices, "cone_wavelength_m"))
-    parse_comment<double>(vertices, "cone_wavelength_m", "a number of metres", *text, {&sources.cone_wavelength});
-  if (const auto text = comment_of(vertices, "name")) sources.name = printable(*text);
+    parse_comment<double>(vertices, "cone_wavelength_m", "a number of metres", *text, {&sources.label.cone_wavelength});
+  if (const auto text = comment_of(vertices, "name")) sources.label.name = printable(*text);
   if (const auto text = comment_of(vertices, "seed"))
     parse_comment<uint64_t>(vertices, "seed", "a whole number", *text, {&sources.seed});
   if (const auto text = comment_of(vertices, "frame"))
-    parse_comment<uint32_t>(vertices, "frame", "a whole number", *text, {&sources.frame});
+    parse_comment<uint32_t>(vertices, "frame", "a whole number", *text, {&sources.label.frame});
   const auto& x = vertices.column("x");
   const auto& y = vertices.column("y");
   const auto& z = vertices.column("z");

@@ -174,9 +174,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.levels = params.levels == 0 ? slm.levels : params.levels;
   hologram.wavelength = field.wavelength;
   hologram.image = params.image;
-  hologram.name = field.name;
-  hologram.frame = field.frame;
-  hologram.cone_wavelength = field.cone_wavelength;
+  hologram.label = field.label;
   hologram.encoder = name_of(params.method, encoding_names);
   hologram.modulation = modulation_of(params, slm);
   hologram.effects = allowed_effects(slm, params);

@@ -87,7 +87,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   if (!has_dark_targets) kind = start_of_frames(targets, wavelength, frames, slm, params);
   for (int frame = 0; frame < frames; ++frame) {
     Field blank(slm.grid, wavelength);
-    blank.frame = uint32_t(frame);
+    blank.label.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(blank, slm, params, frame == 0 ? observer : Observer{}));
     const PhaseLevels levels(known, holograms.back().levels, wavelength);
     if (frame == 0 && holograms.back().modulation != Modulation::amplitude)

@@ -165,9 +165,9 @@ Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParam
     std::complex<float>* u = pattern.row(int(j));
     if (params.start == StartPhase::random)
       for (int i = 0; i < pattern.nx; ++i)
-        u[i] =
-            modulus * std::complex<float>(cis_cycles(
-                          CounterRandom(uint64_t(params.seed), field.frame, uint64_t(j * pattern.nx + i)).uniform()));
+        u[i] = modulus *
+               std::complex<float>(cis_cycles(
+                   CounterRandom(uint64_t(params.seed), field.label.frame, uint64_t(j * pattern.nx + i)).uniform()));
     else if (largest > 0)
       for (int i = 0; i < pattern.nx; ++i) u[i] /= largest;
     else
@@ -201,7 +201,7 @@ void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOf
   }
   Field field(slm.grid, wavelength);
   if (start == FrameStart::speckle) field = speckle_field(targets, wavelength, which, slm, params);
-  field.frame = uint32_t(which.frame);
+  field.label.frame = uint32_t(which.frame);
   write_start(start_pattern(field, params, hologram.modulation), levels, hologram);
 }
 

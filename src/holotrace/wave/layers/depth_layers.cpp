@@ -133,8 +133,7 @@ DepthSlices slices_of(const std::vector<double>& depths, const Grid& panel, cons
                       const SynthesizeParams& synthesis, const Observer& observer) {
   const double nearest = std::abs(*std::min_element(
       depths.begin(), depths.end(), [](double one, double other) { return std::abs(one) < std::abs(other); }));
-  const double per_metre =
-      depth_error_per_metre(0, 0, std::max(nearest, panel.pitch), panel, light.wavelength, light.cone_wavelength);
+  const double per_metre = depth_error_per_metre(0, 0, nearest, panel, light.wavelength, light.cone_wavelength);
   const double by_tolerance = 2 * depth_share * synthesis.tolerance / per_metre;
   const auto thickness_at = [&](double depth) { return std::max(by_tolerance, depth_of_focus(depth, panel, light)); };
   DepthSlices found =
@@ -246,7 +245,7 @@ Field sum_depth_image(const DepthImage& image, const Grid& panel, const LightInC
                       const Observer& observer) {
   observer.fact("method", std::string("layers"));
   Field field = sum_layers(slice_depth_image(image, panel, light, params, synthesis, frame, observer), panel, observer);
-  field.frame = frame;
+  field.label.frame = frame;
   return field;
 }
 

@@ -115,7 +115,7 @@ SlicedSources slice_sources(const Sources& sources, const Grid& panel, int slice
     waves.push_back(uint32_t(i));
     depths.push_back(depth);
     energies.push_back(double(s.amplitude) * s.amplitude * area);
-    errors.push_back(depth_error_per_metre(x, y, depth, panel, sources.wavelength, sources.cone_wavelength));
+    errors.push_back(depth_error_per_metre(x, y, depth, panel, sources.wavelength, sources.label.cone_wavelength));
     energy += energies.back();
     squared += energies.back() * errors.back() * errors.back();
     result.cut_waves += area < panel.width() * panel.height() * (1 - 1e-9);

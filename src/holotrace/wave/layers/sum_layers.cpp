@@ -134,7 +134,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
   }
   if (stack.has_masks) carry(spectrum, stack.depths.back());
   Field field(grid, stack.wavelength);
-  field.cone_wavelength = stack.cone_wavelength;
+  field.label.cone_wavelength = stack.cone_wavelength;
   field.samples = samples_of(spectrum, grid.nx, grid.ny);
   observer.progress(1);
   return field;

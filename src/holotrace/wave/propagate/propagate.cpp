@@ -24,11 +24,9 @@ BasicField<Real> on_window(const BasicField<Real>& field, const WindowShift& to)
   return out;
 }
 
-}  // namespace
-
 template <class Real>
-BasicField<Real> propagate(const BasicField<Real>& field, double distance, const PropagateParams& params,
-                           const Observer& observer) {
+BasicField<Real> moved(const BasicField<Real>& field, double distance, const PropagateParams& params,
+                       const Observer& observer) {
   if (const auto shift = whole_shift(field.grid, field.wavelength, distance, params)) return on_window(field, *shift);
   if constexpr (std::is_same_v<Real, float>) {
     if (std::optional<Field> there = propagate_on_device(field, distance, params, observer)) return std::move(*there);
@@ -37,6 +35,16 @@ BasicField<Real> propagate(const BasicField<Real>& field, double distance, const
   }
   const auto propagator = cached_propagator<Real>(field.grid, field.wavelength, distance, params, observer);
   return propagate(field, *propagator, observer);
+}
+
+}  // namespace
+
+template <class Real>
+BasicField<Real> propagate(const BasicField<Real>& field, double distance, const PropagateParams& params,
+                           const Observer& observer) {
+  BasicField<Real> there = moved(field, distance, params, observer);
+  there.label = field.label;
+  return there;
 }
 
 template Field propagate(const Field&, double, const PropagateParams&, const Observer&);

@@ -36,9 +36,7 @@ Field head_of(const Field& field) {
   head.z = field.z;
   head.image = field.image;
   head.filter = field.filter;
-  head.name = field.name;
-  head.frame = field.frame;
-  head.cone_wavelength = field.cone_wavelength;
+  head.label = field.label;
   return head;
 }
 

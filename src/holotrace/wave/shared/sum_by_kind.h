@@ -21,15 +21,17 @@ struct LightOfKind {
   bool is_mirrored;
 };
 
-/// The field of all kinds, at least one. The facts are those of all (merge_fact).
+/// The field of all kinds, at least one, with a label. The facts are those of all (merge_fact).
 /// @param sum  field of light of one kind: (const Light&, const Observer&) → a field with `samples`
 template <class Light, class Sum>
-auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Observer& observer, const Sum& sum) {
+auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Label& label, const Observer& observer,
+               const Sum& sum) {
   std::optional<decltype(sum(kinds.front().light, observer))> field;
   std::vector<std::pair<std::string, Fact>> facts;
   for (size_t i = 0; i < kinds.size(); ++i) {
     Observer watch = part_of(observer, int(i), int(kinds.size()));
-    watch.on_fact = [&](const std::string& name, const Fact& value) { merge_fact(facts, name, value); };
+    if (kinds.size() > 1)
+      watch.on_fact = [&](const std::string& name, const Fact& value) { merge_fact(facts, name, value); };
     auto of_kind = sum(kinds[i].light, watch);
     auto& samples = of_kind.samples.values;
     if (kinds[i].is_mirrored)
@@ -41,19 +43,20 @@ auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Observer& obs
   }
   if (observer.on_fact)
     for (const auto& [name, value] : facts) observer.on_fact(name, value);
+  field->label = label;
   return std::move(*field);
 }
 
 /// The field of all waves, by a sum that takes spherical ones from behind the panel, or astigmatic ones.
 template <class Sum>
 auto sum_by_kind(const Sources& sources, const Observer& observer, const Sum& sum) {
-  if (are_from_behind(sources)) return sum(sources, observer);
+  if (are_from_behind(sources)) return sum_kinds<Sources>({{sources, false}}, sources.label, observer, sum);
   const auto [behind, mirrored, astigmatic] = kinds_of(sources);
   std::vector<LightOfKind<Sources>> kinds;
   if (!behind.waves.empty()) kinds.push_back({behind, false});
   if (!mirrored.waves.empty()) kinds.push_back({mirrored, true});
   for (const Sources& group : astigmatic) kinds.push_back({group, false});
-  return sum_kinds(kinds, observer, sum);
+  return sum_kinds(kinds, sources.label, observer, sum);
 }
 
 /// The field of all triangles, by a sum that takes those behind the panel.
@@ -61,12 +64,12 @@ template <class Sum>
 auto sum_by_kind(const Triangles& triangles, const Observer& observer, const Sum& sum) {
   const bool are_behind = std::all_of(triangles.triangles.begin(), triangles.triangles.end(),
                                       [](const Triangle& t) { return t.corners[0].z < 0; });
-  if (are_behind) return sum(triangles, observer);
+  if (are_behind) return sum_kinds<Triangles>({{triangles, false}}, triangles.label, observer, sum);
   const auto [behind, mirrored] = sides_of(triangles);
   std::vector<LightOfKind<Triangles>> kinds;
   if (!behind.triangles.empty()) kinds.push_back({behind, false});
   kinds.push_back({mirrored, true});
-  return sum_kinds(kinds, observer, sum);
+  return sum_kinds(kinds, triangles.label, observer, sum);
 }
 
 }  // namespace holotrace

@@ -77,8 +77,6 @@ void warn_of_missed(const Triangles& triangles, const Grid& grid, const Observer
 
 Field sum_behind(const Triangles& triangles, const Grid& grid, double tolerance, const Observer& observer) {
   Field field(grid, triangles.wavelength);
-  field.name = triangles.name;
-  field.frame = triangles.frame;
   observer.fact("triangles", triangles.triangles.size());
   observer.fact("method", std::string("triangles"));
 
