@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/depth_image_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/depth_image_fields.h"
@@ -39,6 +40,8 @@ bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_doub
   require(inputs.size() == 1, "expected one picture with --depth, got {} inputs", inputs.size());
   require(has_image_ending(inputs.front()),
           "{}: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth", inputs.front());
+  require(extension_of(depth_) == ".exr" || (flags_.has("near") && flags_.has("far")),
+          "{}: expected --near and --far, the depths of its white and black; give both", depth_);
   require(!is_double,
           "expected --double with a scene or sources, which it sums wave by wave; got a picture with depths");
   return true;

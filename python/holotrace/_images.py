@@ -148,13 +148,17 @@ class DepthImage(Noun):
 
 
 def load_depth_image(
-    picture: Path, depth: Path, *, near: Length = 0.0, far: Length = 0.0, depth_scale: str = "depth"
+    picture: Path, depth: Path, *, near: Optional[Length] = None, far: Optional[Length] = None, depth_scale: str = "depth"
 ) -> DepthImage:
     """A picture with depths from two files.
 
     A depth file of 8 or 16 bits is grey: ``near`` is the depth of white, ``far`` that of black. Between them the depth
-    is in equal steps of grey, or with ``depth_scale="disparity"`` its inverse. An EXR has metres.
+    is in equal steps of grey, or with ``depth_scale="disparity"`` its inverse. An EXR has metres. Depths are behind the
+    panel, below 0 in front of it.
     """
+    if (near is None) != (far is None):
+        raise _core.Error("expected both near and far, the depths of white and black, or neither for an EXR; give both")
+    near, far = (0.0, 0.0) if near is None or far is None else (near, far)
     return DepthImage._of(_core.DepthImage.load(os.fspath(picture), os.fspath(depth), near, far, depth_scale))
 
 

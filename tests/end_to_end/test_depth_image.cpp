@@ -139,10 +139,12 @@ TEST(DepthImage, MistakesAreToldInASentence) {
             "holotrace: picture.png: expected --depth with a picture, got none; give its depth image\n");
   EXPECT_EQ(error({"field", "scene.toml", "--near", "3 mm", "-o", "f.npy"}),
             "holotrace: expected --depth with --near, which describes a picture with depths; give both or neither\n");
-  EXPECT_EQ(
-      error({"field", "picture.png", "--depth", "depth.png", "-o", "f.npy"}),
-      "holotrace: depth.png: expected two different depths above 0 m of its white and black, got near 0 m and far "
-      "0 m; give --near and --far\n");
+  for (const std::vector<std::string>& one : {std::vector<std::string>{}, {"--near", "3 mm"}, {"--far", "-3 mm"}}) {
+    std::vector<std::string> arguments{"field", "picture.png", "--depth", "depth.png", "-o", "f.npy"};
+    arguments.insert(arguments.end(), one.begin(), one.end());
+    EXPECT_EQ(error(arguments),
+              "holotrace: depth.png: expected --near and --far, the depths of its white and black; give both\n");
+  }
   EXPECT_EQ(error(field_command({"--method", "tiled"})),
             "holotrace: expected the method layers for a picture with depths, got tiled; leave it out\n");
   EXPECT_EQ(

@@ -246,5 +246,14 @@ TEST(DeviceList, RefusesNumbersOfNoDevice) {
                         count - 1, count));
 }
 
+// Each of them leads to the advice to use less memory, or to bands.
+TEST(OpenClStatus, FourMeanThatMemoryDoesNotSuffice) {
+  for (const cl_int status :
+       {CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_RESOURCES, CL_OUT_OF_HOST_MEMORY, CL_INVALID_BUFFER_SIZE})
+    EXPECT_TRUE(is_out_of_memory(status)) << status_name(status);
+  for (const cl_int status : {CL_SUCCESS, CL_INVALID_VALUE, CL_BUILD_PROGRAM_FAILURE, CL_DEVICE_NOT_AVAILABLE})
+    EXPECT_FALSE(is_out_of_memory(status)) << status_name(status);
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -40,7 +40,7 @@ TEST(RepeatedStages, FactsAreThoseOfAll) {
   EXPECT_EQ(std::get<int64_t>(fact(all, "waves_pixels")), 1000 + 2000 + 3000);
   EXPECT_EQ(std::get<double>(fact(all, "predicted_seconds")), 6);
   EXPECT_EQ(std::get<double>(fact(all, "expected_error")), 2.5) << "the largest";
-  EXPECT_EQ(std::get<std::string>(fact(all, "method")), "planes, tiled") << "each once";
+  EXPECT_EQ(std::get<std::string>(fact(all, "method")), "planes and tiled") << "each once";
   EXPECT_EQ(std::get<int64_t>(fact(all, "slices")), 0) << "the first";
   EXPECT_EQ(all.warnings, std::vector<std::string>{"some waves are outside"});
   ASSERT_EQ(all.curves.size(), 1u);

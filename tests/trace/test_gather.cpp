@@ -143,7 +143,10 @@ TEST(Gather, SetsAndTheirFramesComeInOrder) {
                            .frames = 3};
   const auto fields = gather(scene, {8, 6, 8e-6}, {630_nm, 460_nm}, params);
   ASSERT_EQ(fields.size(), 2u * 2u * 3u);  // wavelengths, the light and the emission, frames
-  for (size_t i = 0; i < 12; ++i) EXPECT_EQ(fields[i].wavelength, i < 6 ? 630_nm : 460_nm);
+  for (size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(fields[i].wavelength, i < 6 ? 630_nm : 460_nm);
+    EXPECT_EQ(fields[i].label, (Label{i % 6 < 3 ? "light 0" : "emission", uint32_t(i % 3), 460_nm})) << i;
+  }
   EXPECT_NE(fields[0].samples.values, fields[1].samples.values);
   // A frame draws new phases, not amplitudes: one ray of a set per pixel keeps its modulus.
   const auto single = gather(make_bright_wall(-20_mm), {8, 6, 8e-6}, green,

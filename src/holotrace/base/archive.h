@@ -50,7 +50,10 @@ class BasicWriter {
   }
   template <Plain T>
   void write(const T& value) {
-    sink.put(&value, sizeof value);
+    if constexpr (requires { members(*this, const_cast<T&>(value)); })
+      members(*this, const_cast<T&>(value));  // not the padding between them
+    else
+      sink.put(&value, sizeof value);
   }
   void write(const std::string& text) { raw(text.data(), text.size()); }
   template <class T, class A>
@@ -126,7 +129,10 @@ class Reader {
   }
   template <Plain T>
   void read(T& value) {
-    std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
+    if constexpr (requires { members(*this, value); })
+      members(*this, value);
+    else
+      std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
   }
   void read(std::string& text) { raw(text); }
   template <class T, class A>
@@ -192,6 +198,9 @@ template <class... Values>
 void from_message(std::string_view bytes, Values&... values) {
   Reader reader(bytes, "a message between processes");
   reader(values...);
+  require(
+      reader.is_at_end(),
+      "expected the end of a message between processes, got more bytes; start the same version of holotrace on all ranks");
 }
 
 }  // namespace holotrace

@@ -5,7 +5,7 @@
 
 namespace holotrace {
 
-/// What tells light, and what shows it, from others of its wavelength: every stage hands it on.
+/// What tells light, and what shows it, from others of its wavelength. Every verb hands it on: trace, synthesize, encode, show, propagate.
 struct Label {
   std::string name{};  ///< name of the path group or light that it shows, "" for all light
   uint32_t frame = 0;  ///< index of the frame of a time-multiplexed hologram, which has random phases of its own

@@ -42,7 +42,10 @@ PlanePart covered_part(const Vec3& eye, const EncodeParams& params) {
 // that it can send.
 Vec2 seen_size(const Job& job, const PlanePart& part, double z, double distance) {
   const Grid& panel = job.slm.grid;
-  const double sine = acceptance_sine(view_wavelength(job.wavelengths, job.trace.has_common_cone), panel.pitch);
+  const double wavelength = job.trace.has_common_cone
+                                ? view_wavelength(job.wavelengths, true)
+                                : *std::max_element(job.wavelengths.begin(), job.wavelengths.end());
+  const double sine = acceptance_sine(wavelength, panel.pitch);
   const double other = 1 - 2 * sine * sine;  // squared cosine of rays as steep along both axes
   const double steepest = other > 0 ? sine / std::sqrt(other) : HUGE_VAL;
   const auto side = [&](double panel_side, double low, double high) {
@@ -94,9 +97,10 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
     const double pixels = double(field.plane.pixels()) * field.columns * field.rows;
     if (pixels > many_pixels)
       observer.warn(fmt::format(
-          "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {:.1f} GB in all, and take "
-          "minutes; a smaller eyebox or pupil needs fewer, and so does an eye farther from the panel",
-          format_length(eye.z), field.plane.nx, field.plane.ny, field.columns, field.rows, 12e-9 * pixels));
+          "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {} in all; a smaller "
+          "eyebox or pupil needs fewer, and so does an eye farther from the panel",
+          format_length(eye.z), field.plane.nx, field.plane.ny, field.columns, field.rows,
+          format_bytes(3 * sizeof(float) * pixels)));
     RenderParams of_eye = params;
     const double area = field.lens.width() * field.lens.height();
     of_eye.paths = std::max(1, int(std::lround(paths_per_pixel(params) * area / (pi / 4 * diameter * diameter))));

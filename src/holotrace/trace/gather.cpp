@@ -210,7 +210,7 @@ void gather_group(const Gathering& g, const Observer& observer, Found& total, st
   for (const WaveSet& set : g.sets)
     for (size_t frame = 0; frame < frames; ++frame) {
       made.emplace_back(panel, set.wavelength);
-      made.back().label.cone_wavelength = set.cone_wavelength;
+      made.back().label = {set.name, uint32_t(frame), set.cone_wavelength};
     }
   std::vector<Found> found(size_t(panel.ny), Found(g.side));
   const uint64_t points = g.scene.scene.points.size();  // the points' numbers come first

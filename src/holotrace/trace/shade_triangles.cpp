@@ -279,7 +279,9 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
         part_of(observer, int(g), int(groups.size())));
     for (const ShadedBlock& block : blocks) counts += block.counts;
     for (size_t i = 0; i < sets.size(); ++i) {
-      Triangles set{.wavelength = sets[i].wavelength, .seed = uint64_t(params.seed)};
+      Triangles set;
+      set.wavelength = sets[i].wavelength;
+      set.seed = uint64_t(params.seed);
       set.label.name = sets[i].name;
       set.label.cone_wavelength = sets[i].cone_wavelength;
       for (const ShadedBlock& block : blocks) {

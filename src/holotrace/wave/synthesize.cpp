@@ -233,11 +233,7 @@ Field synthesize(const Sources& sources, const Grid& grid, const SynthesizeParam
   const auto sum = [&](const Sources& kind, const Observer& of_kind) {
     return sum_where_chosen(kind, grid, params, {}, of_kind).field;
   };
-  if (params.method == SynthesisMethod::layers) {  // near waves hide those on both sides
-    Field field = sum(sources, observer);
-    field.label = sources.label;
-    return field;
-  }
+  if (params.method == SynthesisMethod::layers) return sum(sources, observer);  // near waves hide those on both sides
   return sum_by_kind(sources, observer, sum);
 }
 

@@ -31,8 +31,8 @@ namespace holotrace {
 /// that of the waves·pixels that they light.
 ///
 /// Waves that converge to points in front of the panel are summed apart, as those of their mirror image behind it. So are
-/// astigmatic ones: in tiles, whatever the method, or wave by wave. They need no device. The method `layers` takes them
-/// for spherical waves of their mean curvature, with a warning.
+/// astigmatic ones: in tiles, whatever the method, or wave by wave. They need no device. The method `layers` has slices on both sides,
+/// and takes astigmatic waves for spherical ones of their mean curvature, with a warning. The field has the label of the waves.
 ///
 /// @param sources  waves from z < 0 or to z > 0 [m]
 /// @param grid     panel pixels: nx, ny, pitch [m]

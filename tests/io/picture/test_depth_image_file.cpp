@@ -119,7 +119,7 @@ TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
   EXPECT_EQ(error_of([&] { load_depth_image(picture, depth, -0.1, 0.1, DepthScale::disparity); }),
             depth +
                 ": expected near and far on one side of the panel with the disparity, the inverse of the depth, got "
-                "-100 mm and 100 mm; use the scale depth");
+                "-100 mm and 100 mm; use --depth-scale depth");
   const std::string small = picture_file("s.png", 2, 2, 1);
   EXPECT_EQ(error(picture, small, 0.1, 0.2), small + ": expected depths for 3 × 2 pixels, as " + picture +
                                                  " has, got 2 × 2; make both pictures one size");

@@ -172,7 +172,7 @@ TEST(PictureVariants, ARadiancePictureInRunsOfItsFirstKind) {
 }
 
 TEST(PictureVariants, ARadiancePictureHasRowsAndColumns) {
-  for (const std::string& size : {"-Y 0 +X 10", "-Y 1 +X 0", "-Y 1 +X", "-Y -1 +X 10"})
+  for (const std::string size : {"-Y 0 +X 10", "-Y 1 +X 0", "-Y 1 +X", "-Y -1 +X 10"})
     EXPECT_THROW(decoded("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size + "\n\x80\x40\x20\x81\1\1\1\x09"), Error)
         << size;
 }

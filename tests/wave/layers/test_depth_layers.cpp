@@ -88,7 +88,7 @@ TEST(DepthLayers, AreAsManyAsTheDepthOfFocusNeeds) {
   EXPECT_NEAR(depth_of_focus(0.2, small, green), 4 * green * 0.2 * 0.2 / (1.024e-3 * 1.024e-3), 1e-5);
   EXPECT_EQ(slice_depth_image(image, large, green, {}, slices(0)).depths.size(), 21U);
   EXPECT_EQ(slice_depth_image(image, small, green, {}, slices(0)).depths.size(), 1U);
-  // In front of the panel there are as many as behind it.
+  // In front of the panel there are as many as behind it: the fewest that cover the depths, whichever end they start from.
   for (int i = 0; i < 1000; ++i) image.depth(0, i) = image.depth(1, i) = float(0.02 + 0.2 * i / 999);
   const size_t behind = slice_depth_image(image, small, green, {}, slices(0)).depths.size();
   for (float& depth : image.depth.values) depth = -depth;
@@ -246,11 +246,13 @@ TEST(DepthLayers, BringTheirLightThroughACommonConeToo) {
   DepthImageParams params;
   params.projection = Projection::orthographic;
   params.width = 128 * 8_um;
-  for (const double cone : {0.0, 450_nm}) {
+  for (const auto& [cone, depth] :
+       {std::pair{0.0, 2_mm}, {450_nm, 2_mm}, {450_nm, 1e-9}, {450_nm, 0.1_mm}, {450_nm, -0.1_mm}}) {
+    for (float& pixel : image.depth.values) pixel = float(depth);
     const Field field = sum_depth_image(image, panel, {638_nm, cone}, params, {});
     double sum = 0;
     for (const auto& u : field.samples.values) sum += double(std::norm(u));
-    EXPECT_NEAR(sum / double(panel.pixels()), 0.8, 0.09 * 0.8) << cone;
+    EXPECT_NEAR(sum / double(panel.pixels()), 0.8, 0.09 * 0.8) << cone << " " << depth;
   }
 }
 

@@ -321,7 +321,7 @@ TEST(Layers, OfDepthsThroughThePanelHaveTheErrorStated) {
 }
 
 // A card 20 mm in front of the panel is nearer to a viewer than the point behind it: where the card is, the light of the hologram is
-// dark. The point is not hidden by a card behind it, nor a point in front of the card by that.
+// dark. A point in front of the card is not hidden by it: within the tolerance, twice for the square.
 TEST(LayersThatHide, HideThroughThePanel) {
   const Grid grid{256, 200, 8_um};
   const auto light_on_card = [&](double card_z, double point_z, bool hides) {

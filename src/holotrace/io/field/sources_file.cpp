@@ -103,8 +103,9 @@ std::string header_of(const Sources& sources) {
   if (sources.label.cone_wavelength > 0)
     text += fmt::format("comment cone_wavelength_m {:.17g}\n", sources.label.cone_wavelength);
   if (!sources.label.name.empty()) text += fmt::format("comment name {}\n", sources.label.name);
-  if (!sources.phase_keys.empty())
-    text += fmt::format("comment seed {}\ncomment frame {}\n", sources.seed, sources.label.frame);
+  if (!sources.phase_keys.empty()) text += fmt::format("comment seed {}\n", sources.seed);
+  if (!sources.phase_keys.empty() || sources.label.frame > 0)
+    text += fmt::format("comment frame {}\n", sources.label.frame);
   if (tiles.columns > 0) text += fmt::format("comment tiles {} {}\n", tiles.columns, tiles.rows);
   text += fmt::format(
       "element vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty float amplitude\n"

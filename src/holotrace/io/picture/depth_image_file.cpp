@@ -37,8 +37,8 @@ DepthImage load_depth_image(const std::string& picture_path, const std::string& 
             depth_path, format_length(near), format_length(far));
   require(
       scale == DepthScale::depth || near * far > 0,
-      "{}: expected near and far on one side of the panel with the disparity, the inverse of the depth, got {} and {}; use the scale "
-      "depth",
+      "{}: expected near and far on one side of the panel with the disparity, the inverse of the depth, got {} and {}; use "
+      "--depth-scale depth",
       depth_path, format_length(near), format_length(far));
   DepthImage image;
   image.picture = load_image(picture_path);

@@ -12,7 +12,8 @@ namespace holotrace {
 /// (leave_out_empty_pixels).
 /// @param near,far  depths of white and black [m], either of which may be the nearer one; both 0 for an EXR
 /// @throws Error    naming the file, as load_image does; for sizes that differ; for a depth file with colours; if near
-///                  and far are missing, given with an EXR, not above 0 or equal; and as check_depth_image does
+///                  and far are equal, given with an EXR, or not on one side of the panel for the scale disparity; and as
+///                  check_depth_image does
 DepthImage load_depth_image(const std::string& picture_path, const std::string& depth_path, double near, double far,
                             DepthScale scale = DepthScale::depth);
 

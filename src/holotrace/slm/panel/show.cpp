@@ -134,6 +134,7 @@ struct Shown {
   bool is_complex;
   ImageSide image;
   std::optional<SpectralFilter> filter;
+  Label label{};
 
   PanelPattern pattern() const { return {drive, is_complex ? &moduli : nullptr}; }
 
@@ -141,6 +142,7 @@ struct Shown {
   void complete(Field& field) const {
     field.image = image;
     field.filter = filter;
+    field.label = label;
   }
 
   Field on_processor() const {
@@ -165,7 +167,8 @@ Shown ready_to_show(const Hologram& hologram, const Slm& slm, const ShowParams& 
               drive_of(hologram.modulus_level),
               hologram.modulation == Modulation::complex,
               hologram.image,
-              {}};
+              {},
+              hologram.label};
   if (hologram.filter) shown.filter = under_tilt(*hologram.filter, params, state.wavelength);
   return shown;
 }

@@ -204,8 +204,9 @@ SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const L
   check_depth_image(image);
   check_params(params, synthesis);
   const std::vector<double> depths = depths_of(image);
+  const double narrowest = placing_of(image, panel, light, params).pixel_at(depths.front()) * image.picture.nx;
   require(
-      params.projection == Projection::orthographic || depths.front() > 0,
+      params.projection == Projection::orthographic || narrowest >= panel.pitch,
       "expected depths behind the panel with the projection perspective, whose rays leave the panel's centre, got {}; "
       "use orthographic",
       format_length(depths.front()));

@@ -16,6 +16,7 @@ constexpr double extension = 1.25;       // over the sine of the Nyquist angle
 constexpr double edge_deviation = 0.56;  // of a taper's Gaussian, over √(λd)
 constexpr double ringing_margin = 2;     // over √(λd): most of the light that a sharp band edge sends beyond its box
 constexpr double box_edge = 0.5;         // width of a taper that ends at the box, over √(λd)
+constexpr double most_of_band = 0.25;    // that such a taper takes near the panel, where nothing rings
 constexpr double most_sine = 0.99;
 
 double taper_width(double depth, double wavelength, double steepness) {
@@ -56,15 +57,16 @@ Taper taper_of_points(const SliceLight& slice) {
   if (span + width <= limit) return is_carried ? Taper{limit - width, limit} : Taper{span, span + width};
   if (!is_carried && span < std::min(radius, limit)) return {span, limit};
   const double end = std::min(radius, limit);
-  return {std::max(0.0, end - box_edge * std::sqrt(wavelength * depth)), end};
+  return {end - std::min(box_edge * std::sqrt(wavelength * depth), most_of_band * end), end};
 }
 
 Taper taper_of_raster(const SliceLight& slice) {
   const auto& [depth, wavelength, pitch, span, radius, steepness, is_carried] = slice;
   const double width = taper_width(depth, wavelength, steepness), whole = box_radius(depth, wavelength, pitch);
   if (span + width < radius) return is_carried ? Taper{radius - width, radius} : Taper{span, span + width};
-  const double half = box_edge / 2 * std::sqrt(wavelength * depth);
-  if (radius < whole) return {std::max(0.0, radius - half), std::min(whole, radius + half)};
+  // As wide below the border as above it, so that the power stays that of the cone.
+  const double half = std::min({box_edge / 2 * std::sqrt(wavelength * depth), most_of_band * radius, whole - radius});
+  if (radius < whole) return {radius - half, radius + half};
   return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 }
 

@@ -180,6 +180,7 @@ Field sum_layers(const Sources& sources, const Grid& grid, const SynthesizeParam
   const bool is_carried = params.has_silhouettes;
   const Plan plan = make_plan(sources, grid, params, is_carried, observer);
   Field field(grid, sources.wavelength);
+  field.label = sources.label;
   if (plan.slices.empty()) return field;
   const LayerWindow& w = plan.window;
   LayerSpectrum spectrum = make_layer_spectrum(grid, sources.wavelength, w.nx, w.ny, w.reach_x, w.reach_y);

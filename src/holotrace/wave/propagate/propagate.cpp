@@ -18,15 +18,18 @@ BasicField<Real> on_window(const BasicField<Real>& field, const WindowShift& to)
   BasicField<Real> out(to.window, field.wavelength, field.z);
   out.image = field.image;
   out.filter = field.filter;
+  out.label = field.label;
   const int left = std::max(0, -to.right), right = std::min(to.window.nx, field.grid.nx - to.right);
   for (int j = std::max(0, -to.down); j < std::min(to.window.ny, field.grid.ny - to.down); ++j)
     for (int i = left; i < right; ++i) out.samples(j, i) = field.samples(j + to.down, i + to.right);
   return out;
 }
 
+}  // namespace
+
 template <class Real>
-BasicField<Real> moved(const BasicField<Real>& field, double distance, const PropagateParams& params,
-                       const Observer& observer) {
+BasicField<Real> propagate(const BasicField<Real>& field, double distance, const PropagateParams& params,
+                           const Observer& observer) {
   if (const auto shift = whole_shift(field.grid, field.wavelength, distance, params)) return on_window(field, *shift);
   if constexpr (std::is_same_v<Real, float>) {
     if (std::optional<Field> there = propagate_on_device(field, distance, params, observer)) return std::move(*there);
@@ -35,16 +38,6 @@ BasicField<Real> moved(const BasicField<Real>& field, double distance, const Pro
   }
   const auto propagator = cached_propagator<Real>(field.grid, field.wavelength, distance, params, observer);
   return propagate(field, *propagator, observer);
-}
-
-}  // namespace
-
-template <class Real>
-BasicField<Real> propagate(const BasicField<Real>& field, double distance, const PropagateParams& params,
-                           const Observer& observer) {
-  BasicField<Real> there = moved(field, distance, params, observer);
-  there.label = field.label;
-  return there;
 }
 
 template Field propagate(const Field&, double, const PropagateParams&, const Observer&);

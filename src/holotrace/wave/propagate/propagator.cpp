@@ -125,6 +125,7 @@ BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>
   BasicField<Real> out = p.is_on_lattice() ? convolve(field, p, observer) : transform_to_window(field, p, observer);
   out.image = field.image;
   out.filter = field.filter;
+  out.label = field.label;
   return out;
 }
 
