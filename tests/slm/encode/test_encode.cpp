@@ -49,6 +49,9 @@ TEST(PhaseLevel, OfTwoAsNearInATableIsTheLower) {
   const LevelTable table(make_panel(4, 4, 4), 4, 1);  // 0, ¼, ½, ¾ of a turn
   const int expected[] = {0, 1, 2, 0};                // level 0 is next to level 3
   for (int l = 0; l < 4; ++l) EXPECT_EQ(table.level_of((2 * l + 1) / 8.0), expected[l]) << l;
+  Slm measured = make_panel(4, 4, 4);
+  measured.effects.calibration = {{0, 1}, {pi / 2, 1}, {pi / 2, 1}, {pi, 1}};  // levels 1 and 2 show the same
+  EXPECT_EQ(LevelTable(measured, 4, 1).level_of(0.25), 1);
 }
 
 TEST(AmplitudeLevel, IsTheNearestAndIsClipped) {
