@@ -26,7 +26,7 @@ Array2D<float> ProjectionSetup::modulus() const {
 
 namespace {
 
-using Pattern = Array2D<std::complex<float>>;
+using ComplexPattern = Array2D<std::complex<float>>;
 
 // A pattern that is moved toward the targets' moduli, and the scale of its light.
 class Projections {
@@ -50,7 +50,7 @@ class Projections {
     arrays_->take_step();
   }
 
-  Pattern pattern() { return arrays_->pattern(); }
+  ComplexPattern pattern() { return arrays_->pattern(); }
 
  private:
   void fit_scale() {
@@ -65,12 +65,12 @@ class Projections {
   double wanted_power_ = 0, scale_ = 0;  // no scale: not fitted yet
 };
 
-std::unique_ptr<ProjectionArrays> arrays_on(Device* device, const ProjectionSetup& setup, const Pattern& start) {
+std::unique_ptr<ProjectionArrays> arrays_on(Device* device, const ProjectionSetup& setup, const ComplexPattern& start) {
   if (device) return std::make_unique<DeviceProjection>(*device, setup, start);
   return std::make_unique<ProcessorProjection>(setup, start);
 }
 
-ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& setup, const Pattern& start,
+ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& setup, const ComplexPattern& start,
                             const Observer& observer) {
   const int iterations = iterations_of(setup.params);
   const auto projections =
@@ -95,7 +95,7 @@ ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& 
 
 }  // namespace
 
-ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const Pattern& start, const Slm& slm,
+ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const ComplexPattern& start, const Slm& slm,
                                  const EncodeParams& params, const Observer& observer) {
   const double wavelength = targets.front().wavelength;
   for (const TargetPlane& target : targets)
