@@ -20,7 +20,7 @@
 namespace holotrace {
 namespace {
 
-using Pattern = Array2D<std::complex<float>>;
+using ComplexPattern = Array2D<std::complex<float>>;
 
 // A picture in a few planes.
 struct ProjectionCase {
@@ -60,7 +60,7 @@ std::vector<ProjectionCase> projection_cases() {
 // Two iterations, with another factor than the method's, so that the second one has what the first one leaves.
 struct Iterated {
   std::vector<double> numbers;
-  Pattern pattern;
+  ComplexPattern pattern;
 };
 
 Iterated iterated(ProjectionArrays& arrays, size_t planes) {
@@ -80,7 +80,7 @@ Iterated iterated(ProjectionArrays& arrays, size_t planes) {
   return found;
 }
 
-double relative(const Pattern& found, const Pattern& expected) {
+double relative(const ComplexPattern& found, const ComplexPattern& expected) {
   double error = 0, square = 0;
   for (size_t i = 0; i < expected.size(); ++i) {
     error += double(std::norm(found.values[i] - expected.values[i]));
@@ -93,7 +93,7 @@ class ProjectionDevices : public test::StagesOnDevices {
  protected:
   ProjectionDevices() { one_.params.iterations = 3; }
 
-  static Pattern found(const ProjectionCase& one, const EncodeParams& params, const Observer& observer = {}) {
+  static ComplexPattern found(const ProjectionCase& one, const EncodeParams& params, const Observer& observer = {}) {
     return project_in_turn(one.targets(), one.start().samples, one.slm, params, observer).pattern;
   }
   static Hologram encoded(const ProjectionCase& one, const EncodeParams& params, const Observer& observer = {}) {
