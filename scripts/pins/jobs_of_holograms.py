@@ -209,7 +209,7 @@ def devices():
 
 def python():
     # The bytes of pickles have padding, which is not set; the script goes on with what it reads from them.
-    yield job("python", f"python_verbs.py {IN}", needs="python", loose=("made.pickle",))
+    yield job("python", f"python_verbs.py {IN}", needs="python")
     yield job("python-matlab", "python_matlab.py", needs="scipy")
     yield job("python-torch", "python_gradients.py", needs="torch")
 

@@ -9,6 +9,7 @@
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/sum_by_kind.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/sum_tiled.h"
 #include "holotrace/wave/synthesize.h"
@@ -74,6 +75,27 @@ TEST(BothSides, EveryMethodSumsThemWithinItsTolerance) {
     EXPECT_EQ(std::get<int64_t>(heard.facts.at("waves")), 300) << "of both sides";
     EXPECT_EQ(std::get<int64_t>(heard.facts.at("waves_pixels")), waves_pixels(sources, grid));
     EXPECT_GT(relative_error(field, closed_form(kinds_of(sources).behind, grid)), 0.1);
+  }
+}
+
+// Counts add up; a time is predicted only if it is for each kind.
+TEST(BothSides, FactsAreThoseOfAllKinds) {
+  const Grid grid{4, 4, 8_um};
+  const Sources near{green}, far{green};
+  for (const bool has_both : {true, false}) {
+    Heard heard;
+    const auto sum = [&](const Sources& kind, const Observer& observer) {
+      observer.fact("triangles", 3);
+      observer.fact("method", std::string(&kind == &near ? "double-phase" : "phase"));
+      if (has_both || &kind == &near) observer.fact("predicted_seconds", 2.0);
+      return Field(grid, green);
+    };
+    const Field field = sum_kinds<Sources>({{near, false}, {far, true}}, {"lamp", 5, 450_nm}, heard.observer(), sum);
+    EXPECT_EQ(field.label, (Label{"lamp", 5, 450_nm}));
+    EXPECT_EQ(heard.number("triangles"), 6);
+    EXPECT_EQ(std::get<std::string>(heard.facts.at("method")), "double-phase and phase");
+    EXPECT_EQ(heard.facts.count("predicted_seconds"), size_t(has_both));
+    if (has_both) EXPECT_EQ(heard.number("predicted_seconds"), 4);
   }
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -22,14 +20,17 @@
 
 namespace holotrace {
 
+/// Optionals and variants, which have bytes without a value.
 template <class T>
-inline constexpr bool is_optional = false;
+inline constexpr bool has_unused_bytes = false;
 template <class T>
-inline constexpr bool is_optional<std::optional<T>> = true;
+inline constexpr bool has_unused_bytes<std::optional<T>> = true;
+template <class... T>
+inline constexpr bool has_unused_bytes<std::variant<T...>> = true;
 
-/// Types whose memory is their value. An optional has bytes without a value.
+/// Types whose memory is their value.
 template <class T>
-concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && !is_optional<T>;
+concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && !has_unused_bytes<T>;
 
 /// Writes values to a sink, an object with put(const void* bytes, size_t size).
 template <class Sink>
@@ -48,12 +49,14 @@ class BasicWriter {
     write(uint64_t(count));
     sink.put(data, count * sizeof(T));
   }
-  template <Plain T>
+  template <class T>
   void write(const T& value) {
-    if constexpr (requires { members(*this, const_cast<T&>(value)); })
-      members(*this, const_cast<T&>(value));  // not the padding between them
-    else
+    if constexpr (requires { members(*this, const_cast<T&>(value)); }) {
+      members(*this, const_cast<T&>(value));
+    } else {
+      static_assert(Plain<T>, "data/members.h needs a list of its members");
       sink.put(&value, sizeof value);
+    }
   }
   void write(const std::string& text) { raw(text.data(), text.size()); }
   template <class T, class A>
@@ -80,16 +83,14 @@ class BasicWriter {
     if (value) write(*value);
   }
   template <class A, class B>
-  requires(!Plain<std::pair<A, B>>) void write(const std::pair<A, B>& value) {
+  void write(const std::pair<A, B>& value) {
     write(value.first), write(value.second);
   }
   template <class... T>
-  requires(!Plain<std::variant<T...>>) void write(const std::variant<T...>& value) {
+  void write(const std::variant<T...>& value) {
     write(uint64_t(value.index()));
     std::visit([this](const auto& held) { write(held); }, value);
   }
-  template <class T>
-  requires(!Plain<T>) void write(const T& noun) { members(*this, const_cast<T&>(noun)); }
 };
 
 struct ByteString {
@@ -127,12 +128,14 @@ class Reader {
     values.resize(count);
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), from, count * sizeof(T));
   }
-  template <Plain T>
+  template <class T>
   void read(T& value) {
-    if constexpr (requires { members(*this, value); })
+    if constexpr (requires { members(*this, value); }) {
       members(*this, value);
-    else
+    } else {
+      static_assert(Plain<T>, "data/members.h needs a list of its members");
       std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
+    }
   }
   void read(std::string& text) { raw(text); }
   template <class T, class A>
@@ -170,17 +173,17 @@ class Reader {
     value = std::move(held);
   }
   template <class A, class B>
-  requires(!Plain<std::pair<A, B>>) void read(std::pair<A, B>& value) { read(value.first), read(value.second); }
+  void read(std::pair<A, B>& value) {
+    read(value.first), read(value.second);
+  }
   template <class... T>
-  requires(!Plain<std::variant<T...>>) void read(std::variant<T...>& value) {
+  void read(std::variant<T...>& value) {
     uint64_t index = 0;
     read(index);
     if (index >= sizeof...(T)) refuse();
     uint64_t i = 0;
     ((i++ == index ? read(value.template emplace<T>()) : void()), ...);
   }
-  template <class T>
-  requires(!Plain<T>) void read(T& noun) { members(*this, noun); }
 
   std::string_view bytes_;
   const char* what_;

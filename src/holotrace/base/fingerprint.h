@@ -20,7 +20,7 @@ class FnvHash {
   uint64_t value_ = 14695981039346656037u;
 };
 
-/// The fingerprint of values, which may have no padding between their members.
+/// The fingerprint of values. Types of plain memory among them must have no padding between their members.
 template <class... Values>
 uint64_t fingerprint_of(const Values&... values) {
   BasicWriter<FnvHash> writer;

@@ -21,8 +21,8 @@ enum class DepthScale { depth, disparity };
 
 /// How a picture with depth becomes light.
 struct DepthImageParams {
-  double near = 0,
-         far = 0;  ///< depths of white and black [m], below 0 in front of the panel; both 0: the file has metres
+  /// Depths of white and black [m], below 0 in front of the panel; both 0: the file has metres.
+  double near = 0, far = 0;
   DepthScale scale = DepthScale::depth;              ///< what is in equal steps between them
   double width = 0;                                  ///< width of the picture [m]; 0: the panel's (orthographic)
   Projection projection = Projection::orthographic;  ///< projection of the pixels into space

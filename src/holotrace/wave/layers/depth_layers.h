@@ -24,25 +24,24 @@ double depth_of_focus(double depth, const Grid& panel, const LightInCone& light)
 
 /// A picture with depth as slices of depth on the panel's raster, made one at a time.
 ///
-/// A slice holds the samples whose pixel has its depth. Their amplitude is √L, L the picture's light at the wavelength
-/// (radiance_at of its channels), bilinear between pixels and averaged over pixels finer than samples;
-/// depths are those of the nearest pixel, so that edges stay sharp. Orthographic: the picture is params.width wide at
-/// every depth. Perspective: a pixel lies on the ray from the panel's centre through it, params.field_of_view to the
-/// middle of either side of the picture, which lies behind the panel. Pixels are square. Random phases are 2π·u(seed, frame, sample), one for each
-/// sample and slice.
+/// A slice holds the samples whose pixel has its depth. Their amplitude is √L, L the picture's light at the wavelength (radiance_at of its
+/// channels), bilinear between pixels and averaged over pixels finer than samples; depths are those of the nearest pixel, so that edges
+/// stay sharp. Orthographic: the picture is params.width wide at every depth. Perspective: a pixel lies on the ray from the panel's centre
+/// through it, params.field_of_view to the middle of either side of the picture, which lies behind the panel. Pixels are square. Random
+/// phases are 2π·u(seed, frame, sample), one for each sample and slice.
 ///
 /// Such light fills the band of the samples evenly. If it keeps to a narrower cone, asin(λc/2p) instead of asin(λ/2p),
 /// the cone gets all of its power: amplitudes are √L·λ/λc. All colours of a cone then have the irradiance L on
 /// their slice and send it evenly into the same angles. Light of constant phase goes straight on: amplitudes are √L.
 ///
-/// Slices: synthesis.slices of them, or as few as the depth of focus allows (depth_of_focus), or the tolerance where that
-/// allows fewer: it keeps the phase of an even wave at the panel within 0.8 times the tolerance (slice.h). With silhouettes a slice hides everything behind its samples, including dark ones.
+/// Slices: synthesis.slices of them, or as few as the depth of focus allows (depth_of_focus), or the tolerance where that allows fewer: it
+/// keeps the phase of an even wave at the panel within 0.8 times the tolerance (slice.h). With silhouettes a slice hides everything behind
+/// its samples, including dark ones.
 ///
 /// @param image  must outlive the stack
 /// Facts: `slice_thickness_m`, `largest_depth_error`.
 /// @throws Error  as check_depth_image does; for a phase that is neither random nor constant, a width or angle below 0,
-///                a picture whose slices hold no sample, and
-///                perspective light in front of the panel
+///                a picture whose slices hold no sample, and perspective light in front of the panel
 SliceStack slice_depth_image(const DepthImage& image, const Grid& panel, const LightInCone& light,
                              const DepthImageParams& params, const SynthesizeParams& synthesis, uint32_t frame = 0,
                              const Observer& observer = {});

@@ -20,7 +20,7 @@ double taper_steepness(double tolerance);
 /// What the taper of a slice depends on, along one axis.
 struct SliceLight {
   double depth = 0, wavelength = 0,
-         pitch = 0;         ///< [m]; depth on either side of the panel, 0 or more, and the panel's pitch
+         pitch = 0;         ///< distance from the panel on either side, and its pitch [m]
   double span = 0;          ///< largest offset of its light to a pixel of the panel [m]
   double radius = 0;        ///< half side of what a point's light covers on the panel [m], at most box_radius
   double steepness = 0;     ///< taper_steepness

@@ -15,9 +15,10 @@ namespace holotrace {
 ///
 ///     U = F⁻¹ Σₘ F[uₘ]·exp(i2πdₘ·√(λ⁻² − u² − v²))
 ///
-/// with one transform per slice and a single one back. Depths d behind the panel are above 0, those in front of it below. If slices have masks, light is carried from the farthest slice
-/// to the next one, multiplied there by 1 − mask, the slice's own light is added, and so on to the slice nearest to the viewer, and from
-/// there to the panel: near hides far. The window is padded so that nothing wraps onto the panel. If a slice's whole band needs a larger window,
+/// with one transform per slice and a single one back. Depths d behind the panel are above 0, those in front of it
+/// below. If slices have masks, light is carried from the farthest slice to the next one, multiplied there by 1 − mask,
+/// the slice's own light is added, and so on to the slice nearest to the viewer, and from there to the panel: near hides
+/// far. The window is padded so that nothing wraps onto the panel. If a slice's whole band needs a larger window,
 /// it keeps the angles that reach the panel (layer_plan.h); the lost light would miss the panel.
 ///
 /// @param layers  their grids on the panel's raster: of its pitch, whole samples apart
@@ -53,7 +54,8 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 ///
 /// so in its slice it is a point with the spectrum i·a·d/w = iλ·a·d/cos θ. On the axis this is iλ·a·d, the
 /// inverse of the factor −i/λ·1/d that a point on a raster gets from the Rayleigh–Sommerfeld kernel; 1/cos θ stands for
-/// the kernel's obliquity d/r. A wave that converges in front of the panel is the conjugate of its mirror image. Points may lie between samples: they are spread by a kernel whose transform is
+/// the kernel's obliquity d/r. A wave that converges in front of the panel is the conjugate of its mirror image. Points
+/// may lie between samples: they are spread by a kernel whose transform is
 /// divided out (spread.h). A wave keeps its place in x and y, its amplitude and its phase on its axis; the error of its
 /// moved depth is stated (slice.h). Waves equal those of sum_exact except for
 ///

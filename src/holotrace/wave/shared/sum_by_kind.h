@@ -21,17 +21,21 @@ struct LightOfKind {
   bool is_mirrored;
 };
 
-/// The field of all kinds, at least one, with a label. The facts are those of all (merge_fact).
+/// The field of all kinds, at least one, with a label. The facts are those of all (merge_fact); a prediction only if each has one.
 /// @param sum  field of light of one kind: (const Light&, const Observer&) → a field with `samples`
 template <class Light, class Sum>
 auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Label& label, const Observer& observer,
                const Sum& sum) {
   std::optional<decltype(sum(kinds.front().light, observer))> field;
   std::vector<std::pair<std::string, Fact>> facts;
+  size_t predictions = 0;
   for (size_t i = 0; i < kinds.size(); ++i) {
     Observer watch = part_of(observer, int(i), int(kinds.size()));
     if (kinds.size() > 1)
-      watch.on_fact = [&](const std::string& name, const Fact& value) { merge_fact(facts, name, value); };
+      watch.on_fact = [&](const std::string& name, const Fact& value) {
+        merge_fact(facts, name, value);
+        predictions += name == "predicted_seconds";
+      };
     auto of_kind = sum(kinds[i].light, watch);
     auto& samples = of_kind.samples.values;
     if (kinds[i].is_mirrored)
@@ -41,8 +45,8 @@ auto sum_kinds(const std::vector<LightOfKind<Light>>& kinds, const Label& label,
                      [](const auto& a, const auto& b) { return a + b; });
     field = std::move(of_kind);
   }
-  if (observer.on_fact)
-    for (const auto& [name, value] : facts) observer.on_fact(name, value);
+  for (const auto& [name, value] : facts)
+    if (observer.on_fact && (name != "predicted_seconds" || predictions == kinds.size())) observer.on_fact(name, value);
   field->label = label;
   return std::move(*field);
 }
