@@ -92,10 +92,12 @@ TEST(BothSides, FactsAreThoseOfAllKinds) {
     };
     const Field field = sum_kinds<Sources>({{near, false}, {far, true}}, {"lamp", 5, 450_nm}, heard.observer(), sum);
     EXPECT_EQ(field.label, (Label{"lamp", 5, 450_nm}));
-    EXPECT_EQ(heard.number("triangles"), 6);
+    EXPECT_EQ(std::get<int64_t>(heard.facts.at("triangles")), 6);
     EXPECT_EQ(std::get<std::string>(heard.facts.at("method")), "double-phase and phase");
     EXPECT_EQ(heard.facts.count("predicted_seconds"), size_t(has_both));
-    if (has_both) EXPECT_EQ(heard.number("predicted_seconds"), 4);
+    if (has_both) {
+      EXPECT_EQ(heard.number("predicted_seconds"), 4);
+    }
   }
 }
 
