@@ -36,9 +36,9 @@ template <class Visitor>
 void describe(Visitor& v, DepthImageParams& p) {
   v.length(
       "near", p.near, range::any,
-      "depth of white in the depth image behind the panel (below 0: in front of it), above that of black where black is "
-      "nearer; not for EXR, whose values are metres");
-  v.length("far", p.far, range::any, "depth of black in the depth image");
+      "depth of white in the depth image, behind the panel; below 0: in front of it; larger than that of black if black is "
+      "nearer; not for EXR files, whose values are metres");
+  v.length("far", p.far, range::any, "depth of black in the depth image, behind the panel; below 0: in front of it");
   v.choice("depth_scale", p.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}},
            "quantity in equal steps of grey between white and black: the depth, or its inverse (disparity), as stereo "
            "cameras and many depth estimators give it");

@@ -97,8 +97,8 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
     const double pixels = double(field.plane.pixels()) * field.columns * field.rows;
     if (pixels > many_pixels)
       observer.warn(fmt::format(
-          "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {} in all; a smaller "
-          "eyebox or pupil needs fewer, and so does an eye farther from the panel",
+          "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {} in all, and take long; use a "
+          "smaller eyebox or pupil, or an eye farther from the panel",
           format_length(eye.z), field.plane.nx, field.plane.ny, field.columns, field.rows,
           format_bytes(3 * sizeof(float) * pixels)));
     RenderParams of_eye = params;
