@@ -139,7 +139,8 @@ void add_run(Command& app, const GlobalFlags& global) {
           "-o,--output", o->folder,
           "output folder for render.png, render.exr (its radiance), sources.ply (or points.ply, places without waves), "
           "field.npy, hologram.png, view.png, report.json; files of one kind are named NAME, NAME_2, …; a sweep adds "
-          "view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); two eyes add stereo_left.png, … (the "
+          "view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); an eye of [encode] adds view_beside.png, what an eye "
+          "beside its eyebox sees; two eyes add stereo_left.png, … (the "
           "render) and holo_left.png, …")
       ->required()
       ->type_name("DIR");

@@ -32,6 +32,7 @@ nb::dict run_job(const Job& given, Watch& watch) {
   results["holograms"] = moved(boxes.holograms);
   results["views"] = moved(boxes.views);
   results["white"] = boxes.white;
+  results["views_beside"] = moved(boxes.views_beside);
   results["sweep"] = moved(boxes.sweep.images);
   results["sweep_white"] = boxes.sweep.white;
   results["stereo_renders"] = moved(boxes.stereo_renders);
@@ -52,6 +53,7 @@ Boxes boxes_of(const nb::dict& made, const RunRecord& record) {
   boxes.holograms = nouns_of<Hologram>(made, "holograms");
   boxes.views = nouns_of<Image>(made, "views");
   boxes.white = nb::cast<double>(made["white"]);
+  boxes.views_beside = nouns_of<Image>(made, "views_beside");
   boxes.sweep = series_of(made, "sweep", "sweep_white");
   boxes.stereo_renders = nouns_of<Image>(made, "stereo_renders");
   boxes.stereo_views = series_of(made, "stereo_views", "stereo_white");

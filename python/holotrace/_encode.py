@@ -108,6 +108,8 @@ class Run:
     views: List[Image]
     #: Irradiance that is shown as white in all views [W/m2].
     white: float
+    #: For holograms for an eye: what an eye beside the eyebox sees.
+    views_beside: List[Image]
     #: The views of a sweep, and their white [W/m2].
     sweep: List[Image]
     sweep_white: float
@@ -122,7 +124,7 @@ class Run:
     def save(self, folder: Path) -> None:
         """Write the files of ``holotrace run`` into a folder: render.png, render.exr, hologram.png, view.png, ..."""
         made: Dict[str, Any] = {name: getattr(self, name) for name in _WHITES}
-        for name in ("renders", "sources", "holograms", "views", "sweep", "stereo_renders", "stereo_views"):
+        for name in ("renders", "sources", "holograms", "views", "views_beside", "sweep", "stereo_renders", "stereo_views"):
             made[name] = [one._core for one in getattr(self, name)]
         made["fields"] = [[one._core for one in group] for group in self.fields]
         with watching(False) as watch:
@@ -156,6 +158,7 @@ def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any])
         fields=[[Field._of(core) for core in group] for group in made["fields"]],
         holograms=[Hologram._of(core) for core in made["holograms"]],
         views=[Image._of(core) for core in made["views"]],
+        views_beside=[Image._of(core) for core in made["views_beside"]],
         sweep=[Image._of(core) for core in made["sweep"]],
         stereo_renders=[Image._of(core) for core in made["stereo_renders"]],
         stereo_views=[Image._of(core) for core in made["stereo_views"]],

@@ -42,7 +42,7 @@ TEST(Checks, SizesThatNoLightHasAreRefused) {
   EXPECT_EQ(error_of([] {
               check_wavelength(532e-6, {5, 5, 8e-6});
             }),
-            "expected a wavelength of at most 50 pixels of 8 µm, got 532 µm");
+            "expected a wavelength of at most 50 times the pitch of 8 µm, got 532 µm");
 }
 
 TEST(Checks, WavesKeepToAConeThatThePanelHolds) {

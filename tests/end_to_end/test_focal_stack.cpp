@@ -47,9 +47,10 @@ TEST(FocalStacks, AreRefusedWithASentence) {
     EXPECT_EQ(outcome.exit_code, 1);
     return outcome.err;
   };
-  EXPECT_NE(error({"-o", "x.h5", "--focal-stack", "30, 0 mm"})
-                .find("expected planes of a focal stack beside the panel, got one at 0 m"),
-            std::string::npos);
+  EXPECT_NE(
+      error({"-o", "x.h5", "--focal-stack", "30, 0 mm"})
+          .find("expected planes of a focal stack behind the panel or in front of it, got one on the panel, at 0 m"),
+      std::string::npos);
   EXPECT_NE(error({"-o", "x.h5", "--focal-stack", "30 mm", "--eye-separation", "6 mm"})
                 .find("expected one of focal_stack and eye_separation, got both; leave one out"),
             std::string::npos);

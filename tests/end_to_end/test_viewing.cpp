@@ -72,7 +72,7 @@ TEST(Viewing, HologramsOfOtherProgramsAreShownAsTheirFlagsSay) {
   };
   refused({"show", "other.png", "-o", "v.png", light, green, "--levels", "5"}, "expected the greys of 5 levels");
   refused({"show", "out/hologram.png", "-o", "v.png", "--levels", "4"},
-          "expected levels and modulation only for files without metadata");
+          "expected --levels and --modulation only for files without metadata");
   refused({"show", "other.png", "-o", "v.png", light, green, "--image", "left"}, "virtual");
   refused({"show", "other.png", "-o", "v.png"}, "other.png has no metadata; give --wavelength");
 }

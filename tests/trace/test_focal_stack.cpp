@@ -398,7 +398,8 @@ TEST(FocalStack, RefusesPlanesThatCannotBe) {
   EXPECT_EQ(error({}),
             "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");
   for (const double distance : {0.0, std::nan(""), double(INFINITY)})
-    EXPECT_NE(error({{0.3, distance}, {}}).find("expected planes of a focal stack beside the panel"), std::string::npos)
+    EXPECT_NE(error({{0.3, distance}, {}}).find("expected planes of a focal stack behind the panel or in front of it"),
+              std::string::npos)
         << distance;
   EXPECT_NE(error({{}, LightFieldParams{0, 1, 0.3, {}}}).find("expected 1 to 32 columns and 1 to 24 rows of cells"),
             std::string::npos);

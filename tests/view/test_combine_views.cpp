@@ -100,9 +100,9 @@ TEST(AxialReach, IsTheWholePanelFarAwayAndTheAcceptanceNearby) {
               std::pow(0.7736950, 2), 1e-3);
   // Iterations undo the pixels' share of that; light of a target does not keep to the cone.
   const double cone = 4 * box * box / (slm.grid.width() * slm.grid.height());
-  EXPECT_NEAR(axial_reach(slm, {.wavelength = 532e-9, .loses_by_pixels = false}, 0.01, {}), cone, 1e-9);
-  EXPECT_EQ(axial_reach(slm, {.wavelength = 532e-9, .loses_by_cone = false, .loses_by_pixels = false}, 0.01, {}), 1);
-  EXPECT_LT(axial_reach(slm, {.wavelength = 532e-9, .loses_by_cone = false}, 0.1, {}), 0.9999);
+  EXPECT_NEAR(axial_reach(slm, {.wavelength = 532e-9, .losses = {true, false}}, 0.01, {}), cone, 1e-9);
+  EXPECT_EQ(axial_reach(slm, {.wavelength = 532e-9, .losses = {false, false}}, 0.01, {}), 1);
+  EXPECT_LT(axial_reach(slm, {.wavelength = 532e-9, .losses = {false, true}}, 0.1, {}), 0.9999);
 }
 
 // A pupil of 20 mm receives all the light for a point 150 mm in front of the panel and 150 mm before the eye: its beam

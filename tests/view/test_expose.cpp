@@ -91,9 +91,8 @@ TEST(Expose, CropsEvenlyAndSaysSo) {
   EXPECT_EQ(image.ny, 1);
   EXPECT_FLOAT_EQ(image(0, 0), 1);  // mean of 9 over 9 samples: column 1 and row 1 are the first ones kept
   ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_EQ(
-      heard.warnings[0],
-      "the field of 8 × 5 samples does not divide into bins of 3: 2 columns and 2 rows at its border are left out");
+  EXPECT_EQ(heard.warnings[0],
+            "the field of 8 × 5 samples does not divide into bins of 3 × 3: only 6 × 3 samples of it are used");
 }
 
 TEST(Expose, APixelLiesWhereItsSamplesLie) {

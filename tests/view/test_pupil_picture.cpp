@@ -269,8 +269,9 @@ TEST(PupilPicture, RefusesWhatCannotBe) {
     return error_of([&] { picture_through(f, green_light, pupil_panel, distance, pupil); });
   };
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 2e-3}), "no error");
-  EXPECT_EQ(error(field, 0, {{0, 0, 0.3}, 2e-3}),
-            "expected the plane of the picture beside panel and lens, and behind the pupil, got one at 0 m");
+  EXPECT_EQ(
+      error(field, 0, {{0, 0, 0.3}, 2e-3}),
+      "expected a picture in a plane behind the pupil, other than those of the panel and the lens, got one at 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, 0.3}, 0}), "expected a length above 0 m for the pupil's diameter, got 0 m");
   EXPECT_EQ(error(field, 0.3, {{0, 0, -0.3}, 2e-3}),
             "expected a length above 0 m for the pupil's distance from the panel, got -300 mm");

@@ -24,7 +24,7 @@ TEST(OnPixelsOf, TakesTheMeanOverEachPixel) {
 
 TEST(OnPixelsOf, RefusesAnotherShape) {
   EXPECT_EQ(error_of([] { on_pixels_of(Image(30, 40, 1), Image(30, 30, 1)); }),
-            "expected two pictures of one window, got 40 × 30 and 30 × 30 pixels, which differ in shape; crop one of "
+            "expected two pictures of the same shape, got 40 × 30 and 30 × 30 pixels; crop one of "
             "them, or add --register if one is a photograph");
   EXPECT_EQ(on_pixels_of(Image(512, 910, 1), Image(1080, 1920, 1)).nx, 1920);  // 16:9 to half a pixel of 512 rows
 }

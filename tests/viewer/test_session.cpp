@@ -138,7 +138,7 @@ TEST(Session, KeptLightWarnsAgain) {
 TEST(Session, TheSensorWarns) {
   Session session({folder_of({random_hologram(532e-9, 0)})});
   const std::vector<std::string> expected{
-      "the field of 64 × 48 samples does not divide into bins of 5: 4 columns and 3 rows at its border are left out"};
+      "the field of 64 × 48 samples does not divide into bins of 5 × 5: only 60 × 45 samples of it are used"};
   for (const char* distance : {"20 mm", "21 mm"})
     EXPECT_EQ(session.view(session.state_of({{"distance", distance}, {"binning", "5"}}))->warnings, expected);
 }
@@ -361,7 +361,7 @@ TEST(Session, ShowsLevelsAmplitudesAndPhases) {
   for (const size_t i : {size_t(0), size_t(457), size_t(3000)})
     EXPECT_EQ(amplitudes.values[i], std::min(255, int(256 * std::abs(shown.samples.values[i]) / (2 * rms)))) << i;
   EXPECT_EQ(error_of([&] { session.panel(1, PanelQuantity::level, session.state_of({})); }),
-            "expected a hologram below 1, got 1");
+            "expected the number of a hologram below 1, got 1");
 }
 
 TEST(Session, BoundsTheSensor) {

@@ -16,9 +16,41 @@
 
 // Values as bytes, for programs of one version on machines of one kind: messages between processes, pickles, and fingerprints.
 // Writer and Reader are called with values. For a type that is no plain memory they call members(archive, value), which calls the
-// archive with the members of the value (data/members.h).
+// archive with the members of the value (data/members.h). Archives of metadata take only members that have keys (io/field/metadata.h).
 
 namespace holotrace {
+
+/// A member that files hold as metadata, and its key there. Archives of bytes take the value alone.
+template <class T>
+struct Key {
+  const char* name;
+  T& value;
+  bool is_written = true;    ///< files leave it out otherwise
+  bool is_required = false;  ///< a file without it is refused; otherwise the value stays as it is
+};
+template <class T>
+Key<T> key(const char* name, T& value, bool is_written = true) {
+  return {name, value, is_written};
+}
+template <class T>
+Key<T> required_key(const char* name, T& value) {
+  return {name, value, true, true};
+}
+/// A member that files leave out if it has the value of none: 0, an empty text or list.
+template <class T>
+Key<T> key_if_set(const char* name, T& value) {
+  return {name, value, !(value == T{})};
+}
+
+/// A member whose own keys stand among those of the whole.
+template <class T>
+struct Keys {
+  T& value;
+};
+template <class T>
+Keys<T> keys_of(T& value) {
+  return {value};
+}
 
 /// Optionals and variants, which have bytes without a value.
 template <class T>
@@ -57,6 +89,14 @@ class BasicWriter {
       static_assert(Plain<T>, "data/members.h needs a list of its members");
       sink.put(&value, sizeof value);
     }
+  }
+  template <class T>
+  void write(const Key<T>& key) {
+    write(key.value);
+  }
+  template <class T>
+  void write(const Keys<T>& part) {
+    write(part.value);
   }
   void write(const std::string& text) { raw(text.data(), text.size()); }
   template <class T, class A>
@@ -106,7 +146,7 @@ class Reader {
   Reader(std::string_view bytes, const char* what) : bytes_(bytes), what_(what) {}
 
   template <class... Values>
-  void operator()(Values&... values) {
+  void operator()(Values&&... values) {
     (read(values), ...);
   }
   bool is_at_end() const { return at_ == bytes_.size(); }
@@ -136,6 +176,14 @@ class Reader {
       static_assert(Plain<T>, "data/members.h needs a list of its members");
       std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
     }
+  }
+  template <class T>
+  void read(Key<T>& key) {
+    read(key.value);
+  }
+  template <class T>
+  void read(Keys<T>& part) {
+    read(part.value);
   }
   void read(std::string& text) { raw(text); }
   template <class T, class A>

@@ -32,7 +32,7 @@ void check_wavelength(double wavelength) {
 void check_wavelength(double wavelength, const Grid& grid) {
   check_wavelength(wavelength);
   constexpr double most = 50;
-  require(wavelength <= most * grid.pitch, "expected a wavelength of at most {:g} pixels of {}, got {}", most,
+  require(wavelength <= most * grid.pitch, "expected a wavelength of at most {:g} times the pitch of {}, got {}", most,
           format_length(grid.pitch), format_length(wavelength));
 }
 

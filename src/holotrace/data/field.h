@@ -6,6 +6,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/label.h"
+#include "holotrace/data/params/choice.h"
 
 namespace holotrace {
 
@@ -19,6 +20,10 @@ struct SpectralFilter {
 /// Image that a hologram shows. Virtual: the panel shows U, the scene is behind it and the camera
 /// refocuses to z < 0. Real: it shows conj(U), and points of depth d come to a focus at z = +d.
 enum class ImageSide { virtual_image, real_image };
+
+/// The names in files.
+inline constexpr std::initializer_list<Choice<ImageSide>> image_side_names{{"virtual", ImageSide::virtual_image},
+                                                                           {"real", ImageSide::real_image}};
 
 /// Monochromatic scalar light on a grid at z: complex amplitudes in √(W/m²), shape (ny, nx).
 /// Power = Σ|u|²·pitch². Time factor exp(−iωt): a wave that leaves a point is exp(+ikr).

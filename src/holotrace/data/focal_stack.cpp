@@ -17,7 +17,8 @@ void check_focal_stack(const FocalStack& stack) {
   require(channels == 1 || channels == 3, "expected a focal stack of 1 or 3 channels, got {}", channels);
   for (size_t k = 0; k < stack.pictures.size(); ++k) {
     require(std::isfinite(stack.distances[k]) && stack.distances[k] != 0,
-            "expected plane {} of the focal stack beside the panel, got {}", k + 1, format_length(stack.distances[k]));
+            "expected plane {} of the focal stack behind the panel or in front of it, got {}", k + 1,
+            format_length(stack.distances[k]));
     const Image& picture = stack.pictures[k];
     require(picture.nx == stack.grid.nx && picture.ny == stack.grid.ny && picture.channels == channels &&
                 picture.values.size() == size_t(stack.grid.pixels()) * size_t(channels),

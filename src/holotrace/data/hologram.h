@@ -17,6 +17,14 @@ namespace holotrace {
 struct JointColour {
   double wavelength = 0;    ///< [m]
   double illumination = 0;  ///< Hologram::illumination at that wavelength [W/m²]
+  bool operator==(const JointColour&) const = default;
+};
+
+/// What makes light weaker in one colour than in another, so that views balance it (axial_reach).
+struct LightLosses {
+  bool by_cone = true;    ///< the cone of the waves, which the light of a target does not have
+  bool by_pixels = true;  ///< the pixels' aperture, which iterations undo
+  bool operator==(const LightLosses&) const = default;
 };
 
 /// The data shown on an SLM: one level 0 … levels−1 per pixel, shape (ny, nx), and what an optical
@@ -36,9 +44,7 @@ struct Hologram {
   double illumination = 1;
   std::vector<JointColour> colours{};  ///< for a hologram of several wavelengths: all of them; otherwise empty
   Label label{};
-  /// What makes its light weaker in one colour than in another, so that views balance it (axial_reach): the cone of the
-  /// waves that it shows, which the light of a target does not have; and the pixels' aperture, which iterations undo.
-  bool loses_by_cone = true, loses_by_pixels = true;
+  LightLosses losses{};
   Array2D<uint16_t> modulus_level{};   ///< levels of amplitude, beside those of phase, if the modulation is complex
   std::vector<std::string> effects{};  ///< effects of the panel that the levels compensate (slm_effect_names)
   ViewingConditions viewing{};         ///< how its run looked at it, or the planes that it was made for

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "holotrace/base/archive.h"
 #include "holotrace/data/calibration.h"
 #include "holotrace/data/depth_image.h"
 #include "holotrace/data/field.h"
@@ -16,21 +17,37 @@
 #include "holotrace/data/sources.h"
 #include "holotrace/data/target.h"
 
-// The members of each noun, for the archives of base/archive.h. Types of plain memory need no list. Structured bindings make a list that
-// lacks a member fail to compile.
+// The members of each noun, for the archives of base/archive.h, and their keys in the metadata of files, in SI units. Types of plain memory
+// need no list but for keys. Structured bindings make a list that lacks a member fail to compile.
 
 namespace holotrace {
 
 template <class Archive>
 void members(Archive& archive, Label& part) {
   auto& [name, frame, cone] = part;
-  archive(name, frame, cone);
+  archive(key_if_set("name", name), key_if_set("frame", frame), key_if_set("cone_wavelength_m", cone));
 }
 
+template <class Archive>
+void members(Archive& archive, Grid& part) {
+  auto& [nx, ny, pitch, centre_x, centre_y] = part;
+  archive(nx, ny, required_key("pitch_m", pitch), key_if_set("centre_x_m", centre_x),
+          key_if_set("centre_y_m", centre_y));
+}
+
+template <class Archive>
+void members(Archive& archive, SpectralFilter& part) {
+  auto& [u0, v0, half_u, half_v] = part;
+  archive(required_key("half_u_per_m", half_u), required_key("half_v_per_m", half_v), required_key("u0_per_m", u0),
+          required_key("v0_per_m", v0));
+}
+
+// The file of a stack of fields has the wavelengths of all.
 template <class Archive, class Real>
 void members(Archive& archive, BasicField<Real>& noun) {
   auto& [grid, wavelength, z, samples, image, filter, label] = noun;
-  archive(grid, wavelength, z, samples, image, filter, label);
+  archive(keys_of(grid), required_key("wavelengths_m", wavelength), key("z_m", z), key("image", image), keys_of(label),
+          key_if_set("filter", filter), samples);
 }
 
 template <class Archive>
@@ -54,7 +71,7 @@ void members(Archive& archive, Sources& noun) {
 template <class Archive>
 void members(Archive& archive, FocalStack& noun) {
   auto& [grid, distances, pictures] = noun;
-  archive(grid, distances, pictures);
+  archive(keys_of(grid), required_key("distances_m", distances), pictures);
 }
 
 template <class Archive>
@@ -64,31 +81,51 @@ void members(Archive& archive, DepthImage& noun) {
 }
 
 template <class Archive>
+void members(Archive& archive, ZernikeTerm& part) {
+  auto& [n, m, rms] = part;
+  archive(required_key("n", n), required_key("m", m), required_key("rms_rad", rms));
+}
+
+template <class Archive>
 void members(Archive& archive, SlmEffects& noun) {
   auto& [calibration, crosstalk, gap_amplitude, gap_phase, flicker, aberration, phase_map, light_map, dead_fraction,
          dead_seed, dead_pixels] = noun;
-  archive(calibration, crosstalk, gap_amplitude, gap_phase, flicker, aberration, phase_map, light_map, dead_fraction,
-          dead_seed, dead_pixels);
+  archive(key_if_set("crosstalk_pixels", crosstalk), key_if_set("gap_amplitude", gap_amplitude),
+          key_if_set("gap_phase_rad", gap_phase), key_if_set("flicker", flicker), key_if_set("aberration", aberration),
+          key_if_set("dead_fraction", dead_fraction), key("dead_seed", dead_seed, dead_fraction > 0),
+          key_if_set("dead_pixels", dead_pixels), key_if_set("calibration", calibration), phase_map, light_map);
 }
 
 template <class Archive>
 void members(Archive& archive, Slm& noun) {
   auto& [name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source, own] = noun;
-  archive(name, grid, modulation, levels, fill, fill_x, fill_y, design, range, effects, preset, source, own);
+  archive(key("name", name), key("modulation", modulation), required_key("levels", levels),
+          required_key("fill_factor", fill), required_key("design_wavelength_m", design), key("phase_range_rad", range),
+          key("fill_x", fill_x, fill_x > 0), key("fill_y", fill_y, fill_x > 0), key_if_set("panel", preset),
+          key_if_set("source", source), key("effects", effects), key_if_set("own_effects", own), grid);
 }
 
 template <class Archive>
 void members(Archive& archive, ViewingConditions& noun) {
   auto& [distances, pupil, eye] = noun;
-  archive(distances, pupil, eye);
+  archive(required_key("distances_m", distances), key_if_set("pupil_m", pupil), key("eye_m", eye, pupil > 0));
+}
+
+template <class Archive>
+void members(Archive& archive, JointColour& part) {
+  auto& [wavelength, illumination] = part;
+  archive(required_key("wavelength_m", wavelength), required_key("illumination_w_per_m2", illumination));
 }
 
 template <class Archive>
 void members(Archive& archive, Hologram& noun) {
-  auto& [grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, label,
-         by_cone, by_pixels, modulus_level, effects, viewing] = noun;
-  archive(grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, label,
-          by_cone, by_pixels, modulus_level, effects, viewing);
+  auto& [grid, level, levels, modulation, wavelength, image, filter, encoder, slm, illumination, colours, label, losses,
+         modulus_level, effects, viewing] = noun;
+  archive(keys_of(grid), required_key("wavelength_m", wavelength), key("levels", levels), key("modulation", modulation),
+          key("image", image), key("encoder", encoder), key("illumination_w_per_m2", illumination),
+          key_if_set("colours", colours), keys_of(label), key("loses_by", losses, losses != LightLosses{}),
+          key_if_set("effects", effects), key("slm", slm, slm.has_value()), key_if_set("filter", filter),
+          key("viewing", viewing, viewing.are_known()), level, modulus_level);
 }
 
 template <class Archive>

@@ -7,16 +7,22 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/params/choice.h"
 
 namespace holotrace {
 
 /// What a panel's pixels do to light: change its phase, its amplitude, or both independently.
 enum class Modulation { phase, amplitude, complex };
 
+/// The names in files.
+inline constexpr std::initializer_list<Choice<Modulation>> modulation_names{
+    {"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}, {"complex", Modulation::complex}};
+
 /// The phase and amplitude of a panel at one level, at its design wavelength.
 struct CalibrationPoint {
   double phase = 0;      ///< phase [rad], not wrapped
   double amplitude = 1;  ///< modulus of the transmittance, in [0, 1]
+  bool operator==(const CalibrationPoint&) const = default;
 };
 
 /// A term of a wavefront error: the Zernike polynomial Z_n^m in the OSA/ANSI normalization (unit rms over the circle
@@ -24,11 +30,13 @@ struct CalibrationPoint {
 struct ZernikeTerm {
   int n = 0, m = 0;
   double rms = 0;  ///< coefficient, the rms phase [rad]
+  bool operator==(const ZernikeTerm&) const = default;
 };
 
 /// A pixel that always shows the same level.
 struct DeadPixel {
   int column = 0, row = 0, level = 0;
+  bool operator==(const DeadPixel&) const = default;
 };
 
 /// The differences between a panel and an ideal one of its pitch, fill factor and levels. An effect is on if its value

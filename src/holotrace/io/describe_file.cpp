@@ -191,8 +191,8 @@ Json describe_hologram(const Hologram& hologram) {
   if (hologram.grid.pitch > 0) json["pitch"] = format_length(hologram.grid.pitch);
   if (hologram.wavelength > 0) json["wavelength"] = format_length(hologram.wavelength);
   json["levels"] = hologram.levels;
-  json["modulation"] = modulation_name(hologram.modulation);
-  json["image"] = hologram.image == ImageSide::real_image ? "real" : "virtual";
+  json["modulation"] = name_of(hologram.modulation, modulation_names);
+  json["image"] = name_of(hologram.image, image_side_names);
   if (!hologram.encoder.empty()) json["encoder"] = hologram.encoder;
   json["illumination_w_per_m2"] = hologram.illumination;
   add_part(hologram.label.name, hologram.label.frame, json);
@@ -206,7 +206,7 @@ Json describe_slm(const Slm& slm) {
             {"pixels", size_text(slm.grid.nx, slm.grid.ny)},
             {"pitch", format_length(slm.grid.pitch)},
             {"size", format_length(slm.grid.width()) + " x " + format_length(slm.grid.height())},
-            {"modulation", modulation_name(slm.modulation)},
+            {"modulation", name_of(slm.modulation, modulation_names)},
             {"levels", slm.levels},
             {"fill_factor", slm.fill_factor}};
   if (slm.fill_x > 0) json["fill"] = fmt::format("{:g} of the side in x, {:g} in y", slm.fill_x, slm.fill_y);

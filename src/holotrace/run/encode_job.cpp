@@ -43,7 +43,7 @@ EncodeJob job_of_fields(std::vector<Field> fields, const EncodeParams& params) {
 EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector<double>& wavelengths,
                          const EncodeParams& params, const Observer& observer) {
   require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
-          "expected one target distance for a method that computes one field from the picture, got {}; give "
+          "expected one target distance for a picture and this method, got {}; give "
           "one, or use sgd or gerchberg-saxton, which take several",
           params.target_distances.size());
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
@@ -92,7 +92,7 @@ std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& sl
   std::vector<Hologram> holograms;
   for (size_t frame = 0; frame < of_entries.front().size(); ++frame)
     for (std::vector<Hologram>& of_entry : of_entries) {
-      of_entry[frame].loses_by_cone = job.is_of_fields;  // a picture is as bright in every colour
+      of_entry[frame].losses.by_cone = job.is_of_fields;  // a picture is as bright in every colour
       of_entry[frame].viewing.distances = job.distances;
       holograms.push_back(std::move(of_entry[frame]));
     }

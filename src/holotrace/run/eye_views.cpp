@@ -194,6 +194,17 @@ ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, do
   return view_from(eye, job, distance, wavelength, eye.eye);
 }
 
+std::vector<Viewpoint> viewpoints_beside(const Job& job) {
+  std::vector<Viewpoint> from;
+  for (const Vec3& eye : eyes_of(job.encode)) {
+    CameraParams camera = job.camera;
+    camera.pupil = pupil_of(job.encode);
+    camera.eye = eye + Vec3{eyebox_of(job.encode).width / 2 + camera.pupil, 0, 0};
+    from.push_back({ViewKind::beside, "look from beside the eyebox", camera.distances.front(), 0, camera});
+  }
+  return from;
+}
+
 EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames) {
   const double wavelength = frames.front().wavelength, diameter = pupil_of(job.encode);
   EncodeParams order = job.encode;

@@ -9,6 +9,7 @@
 #include "holotrace/data/light_field.h"
 #include "holotrace/data/pupil.h"
 #include "holotrace/data/target.h"
+#include "holotrace/run/viewpoints.h"
 
 namespace holotrace {
 
@@ -59,5 +60,9 @@ struct EyeboxLight {
   double beside = 0;    ///< enters a pupil whose edge touches that area from outside, in the mean of left and right
 };
 EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames);
+
+/// For each eye of a job, the viewpoint of one on its right whose pupil touches the light of its eyebox from outside, at the first
+/// distance of the camera.
+std::vector<Viewpoint> viewpoints_beside(const Job& job);
 
 }  // namespace holotrace

@@ -280,6 +280,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       return job.warnings.size();
     });
   b.viewpoints = viewpoints(job.camera, job.render);
+  if (aims_at_eyes(job))
+    for (const Viewpoint& beside : viewpoints_beside(job)) b.viewpoints.push_back(beside);
   std::optional<SceneTargets> targets;
   SceneLight light;
   References made;
@@ -337,6 +339,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       if (aims && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
         o.fact("psnr_of_target_db", compare(references[d].image, view).psnr);
     });
+  b.views_beside = images_of(b.viewpoints, sums, ViewKind::beside);
+  read_views(b.views_beside, b.white, ViewKind::beside, job.camera);
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
   report_sweep(b.viewpoints, b.sweep, showing.repeat);

@@ -41,6 +41,8 @@ struct Boxes {
   /// With job.render.eye_separation: renders for the left and the right eye, and what they see of the holograms.
   std::vector<Image> stereo_renders;
   ViewSeries stereo_views;
+  /// With job.encode.eye: what an eye sees that is beside the eyebox of each eye, exposed like the views.
+  std::vector<Image> views_beside;
   std::vector<Viewpoint> viewpoints;  ///< viewpoints of all views
   Report report;
 };

@@ -52,7 +52,8 @@ std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const G
   std::vector<AnyField> fields;
   if (!light.gathered.empty()) {
     for (const std::vector<Field>& frames : light.gathered) {
-      require(frame < frames.size(), "expected a frame below {}, as many as were gathered, got {}; use more frames",
+      require(frame < frames.size(),
+              "expected the number of a frame below {}, as many as were gathered, got {}; use more frames",
               frames.size(), frame);
       fields.emplace_back(frames[frame]);
     }

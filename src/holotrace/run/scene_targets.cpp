@@ -105,7 +105,8 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
   warn_of_sparse_planes(job, observer);
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
     for (const double distance : distances)
-      require(distance != 0, "expected target planes and views beside the panel, got one on it, at 0 m");
+      require(distance != 0,
+              "expected target planes and views behind the panel or in front of it, got one on the panel, at 0 m");
   const RenderParams params = light_of_waves(job, job.render);
   if (aims_at_eyes(job)) {
     targets.eyes = trace_eye_light(job, targets.distances[targets.distances.size() / 2], params, observer);

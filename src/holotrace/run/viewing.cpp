@@ -134,10 +134,9 @@ void add_weighted(const Image& view, double weight, Image& sum) {
 
 void add_view(const Hologram& hologram, double wavelength, const Slm& slm, const Viewpoint& from, const Image& view,
               CombinedViews& sum) {
-  const double reach = axial_reach(slm,
-                                   {wavelength, hologram.image, hologram.filter, hologram.label.cone_wavelength,
-                                    hologram.loses_by_cone, hologram.loses_by_pixels},
-                                   from.distance, from.camera);
+  const double reach =
+      axial_reach(slm, {wavelength, hologram.image, hologram.filter, hologram.label.cone_wavelength, hologram.losses},
+                  from.distance, from.camera);
   sum.add(wavelength, hologram.label.name, illumination_at(hologram, wavelength), view, reach);
 }
 

@@ -8,13 +8,14 @@
 
 namespace holotrace {
 
-/// Why a view is taken: at one of the camera's distances, as a part of its sweep, or for one eye of a stereo pair.
-enum class ViewKind { distance, sweep, eye };
+/// Why a view is taken: at one of the camera's distances, as a part of its sweep, for one eye of a stereo pair, or for an eye
+/// that is beside the eyebox.
+enum class ViewKind { distance, sweep, eye, beside };
 
 /// Position and target of a camera.
 struct Viewpoint {
   ViewKind kind = ViewKind::distance;
-  std::string stage;    ///< stage of the report: "look at 300 mm", "sweep", "stereo"
+  std::string stage;    ///< stage of the report: "look at 300 mm", "sweep", "stereo", "look from beside the eyebox"
   double distance = 0;  ///< from the panel to the plane in focus [m]
   double position = 0;  ///< in a sweep: the distance, or x of the eye [m]
   CameraParams camera;  ///< with its eye in position

@@ -149,7 +149,7 @@ PathCounts fill_targets(const PathScene& scene, const StackLens& lens, const Ren
 void check_light_field(const LightFieldParams& p, const Grid& panel) {
   const Grid& most = p.lens.pixels() > 0 ? p.lens : panel;
   require(std::isfinite(p.distance) && p.distance != 0 && p.distance + p.lens_z != 0,
-          "expected the plane of the light field beside the panel and its lens, got one at {}",
+          "expected a light field in a plane other than those of the panel and the lens, got one at {}",
           format_length(p.distance));
   require(p.columns >= 1 && p.rows >= 1 && p.columns <= most.nx && p.rows <= most.ny,
           "expected 1 to {} columns and 1 to {} rows of cells for the light field of a panel of that many pixels, got "
@@ -163,7 +163,8 @@ void check_planes(const ScenePlanes& planes, const Grid& panel) {
           "expected at least one plane for a focal stack, got none; give distances, such as \"290 mm, 300 mm\"");
   for (const double distance : planes.distances)
     require(std::isfinite(distance) && distance != 0,
-            "expected planes of a focal stack beside the panel, got one at {}", format_length(distance));
+            "expected planes of a focal stack behind the panel or in front of it, got one on the panel, at {}",
+            format_length(distance));
   if (planes.light_field) check_light_field(*planes.light_field, panel);
 }
 

@@ -248,7 +248,7 @@ double axial_reach(const Slm& slm, const HologramLight& light, double from_panel
   const double cone = (light.cone_wavelength > 0 ? light.cone_wavelength : lambda) / (2 * pitch);
   const auto along = [&](double side, double lit, double half_band, double carrier) {
     const double sine = std::min({lambda * half_band, cone, 1.0});
-    const double box = light.loses_by_cone && sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
+    const double box = light.losses.by_cone && sine < 1 ? distance * sine / std::sqrt((1 - sine) * (1 + sine)) : side;
     const double half = std::min(side / 2, box);
     constexpr int steps = 200;  // Simpson's rule on less than one lobe of sinc²: to 1e-9
     double sum = 0;
@@ -261,7 +261,7 @@ double axial_reach(const Slm& slm, const HologramLight& light, double from_panel
   };
   const double open = 1 / pitch;
   const auto& filter = light.filter;
-  const double lit_x = light.loses_by_pixels ? slm.lit_x() : 0, lit_y = light.loses_by_pixels ? slm.lit_y() : 0;
+  const double lit_x = light.losses.by_pixels ? slm.lit_x() : 0, lit_y = light.losses.by_pixels ? slm.lit_y() : 0;
   return along(std::min(slm.grid.width(), seen), lit_x, filter ? filter->half_u : open, filter ? filter->u0 : 0) *
          along(std::min(slm.grid.height(), seen), lit_y, filter ? filter->half_v : open, filter ? filter->v0 : 0);
 }

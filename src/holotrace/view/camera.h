@@ -6,6 +6,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
+#include "holotrace/data/hologram.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/propagate.h"
@@ -84,9 +85,9 @@ void check_eye(const CameraParams& camera);
 struct HologramLight {
   double wavelength = 0;  ///< [m]
   ImageSide image = ImageSide::virtual_image;
-  std::optional<SpectralFilter> filter{};             ///< stop of the encoder
-  double cone_wavelength = 0;                         ///< acceptance wavelength of its waves [m]; 0: its own
-  bool loses_by_cone = true, loses_by_pixels = true;  ///< as in Hologram
+  std::optional<SpectralFilter> filter{};  ///< stop of the encoder
+  double cone_wavelength = 0;              ///< acceptance wavelength of its waves [m]; 0: its own
+  LightLosses losses{};                    ///< as in Hologram
 };
 
 /// Fraction of the light of a point on the axis at `distance` that a panel accepts and sends on in order 0. A white

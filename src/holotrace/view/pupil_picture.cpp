@@ -156,7 +156,8 @@ void check_light_field(const LightField& field) {
           "expected a light field with a picture for each of its {} x {} cells, got {}", field.columns, field.rows,
           field.views.size());
   require(std::isfinite(field.distance) && field.distance + field.lens_z != 0,
-          "expected the plane of the light field beside its lens, got one at {}", format_length(field.distance));
+          "expected a light field in a plane other than that of its lens, got one at {}",
+          format_length(field.distance));
   const int channels = field.views.front().channels;
   for (const Image& view : field.views)
     require(view.nx == field.plane.nx && view.ny == field.plane.ny && view.channels == channels &&
@@ -185,7 +186,7 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   check_range(pupil.centre.z, range::positive, Quantity::length, " for the pupil's distance from the panel");
   require(
       std::isfinite(distance) && distance != 0 && distance + light_field.lens_z != 0 && distance + pupil.centre.z > 0,
-      "expected the plane of the picture beside panel and lens, and behind the pupil, got one at {}",
+      "expected a picture in a plane behind the pupil, other than those of the panel and the lens, got one at {}",
       format_length(distance));
   require(is_finite(pupil.centre), "expected a pupil at a finite place, got one that is not");
 

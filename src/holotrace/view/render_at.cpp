@@ -24,11 +24,10 @@ Image render_at(const Image& render, const ViewPlace& place, int rows, int colum
 
 Image on_pixels_of(const Image& picture, const Image& other) {
   const double columns_expected = double(picture.nx) * other.ny / picture.ny;
-  require(
-      std::abs(columns_expected - other.nx) <= 0.5 * std::max(1.0, double(other.ny) / picture.ny),
-      "expected two pictures of one window, got {} × {} and {} × {} pixels, which differ in shape; crop one of them, "
-      "or add --register if one is a photograph",
-      picture.nx, picture.ny, other.nx, other.ny);
+  require(std::abs(columns_expected - other.nx) <= 0.5 * std::max(1.0, double(other.ny) / picture.ny),
+          "expected two pictures of the same shape, got {} × {} and {} × {} pixels; crop one of them, "
+          "or add --register if one is a photograph",
+          picture.nx, picture.ny, other.nx, other.ny);
   ViewPlace same;  // the window of the picture is 1 high, at a distance of 1
   same.half_tangent = 0.5;
   same.distance = 1;

@@ -63,7 +63,7 @@ ViewedItem item_of_field(const std::string& path, Field field, const ContentsPar
   hologram.filter = field.filter;
   hologram.encoder = "field";
   hologram.label = field.label;
-  hologram.loses_by_pixels = false;
+  hologram.losses.by_pixels = false;
   if (params.slm.empty())
     item.slm.name = "field";
   else

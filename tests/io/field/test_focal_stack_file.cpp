@@ -96,13 +96,14 @@ TEST(FocalStackFile, BadFilesAreRefused) {
     return text.substr(std::min(text.size(), path.size() + 2));
   };
   EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"distances_m", {0.3}}})),
-            "expected the attribute \"pitch_m\" of \"focal_stack\", which is missing; add it, in SI units");
-  EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}})),
-            "expected the attribute \"distances_m\" of \"focal_stack\", which is missing; add it, in SI units");
+            "expected the key \"pitch_m\", which is missing; add it in SI units, as an attribute of \"focal_stack\"");
+  EXPECT_EQ(
+      error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}})),
+      "expected the key \"distances_m\", which is missing; add it in SI units, as an attribute of \"focal_stack\"");
   EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}, {"distances_m", {0.3, 0.4}}})),
-            "expected 1 number(s) in \"distances_m\", as many as \"focal_stack\" has parts, got 2");
+            "expected 1 number(s) in \"distances_m\", one per plane, got 2");
   EXPECT_EQ(error(make_hdf5({1, 1, 1}, one, {{"pitch_m", {8e-6}}, {"distances_m", {0}}})),
-            "expected plane 1 of the focal stack beside the panel, got 0 m");
+            "expected plane 1 of the focal stack behind the panel or in front of it, got 0 m");
   for (const double value : {-1.0, std::nan(""), double(INFINITY)})
     EXPECT_NE(error(make_hdf5({1, 1, 1}, {value}, {{"pitch_m", {8e-6}}, {"distances_m", {0.3}}}))
                   .find("expected finite radiance of 0 or more in plane 1"),

@@ -94,11 +94,12 @@ TEST(ForeignHdf5, WhatIsMissingIsNamedWithPlacesForIt) {
   ForeignFile file("bare.h5");
   file.add_complex("field", {2, 3}, "real", "imag");
   file.close();
-  EXPECT_EQ(error_of([&] { load_field(file.path); }),
-            file.path +
-                ": expected 1 number(s) \"pitch_m\", got 0; add them in SI units, as an attribute of \"field\", as "
-                "a variable beside it or as a key of " +
-                file.path + ".json");
+  EXPECT_EQ(
+      error_of([&] { load_field(file.path); }),
+      file.path +
+          ": expected the key \"wavelengths_m\", which is missing; add it in SI units, as an attribute of \"field\", as "
+          "a variable beside it or as a key of " +
+          file.path + ".json");
   ForeignFile two("two.mat");
   two.add_complex("a", {2, 3}, "real", "imag");
   two.add_complex("b", {2, 3}, "real", "imag");

@@ -1,9 +1,9 @@
 #include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/field_formats.h"
 #include "holotrace/io/field/metadata.h"
@@ -12,35 +12,14 @@
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
-namespace {
-
-double header_number(const PictureHeader& header, const char* name, const std::string& path) {
-  const auto found = header.numbers.find(name);
-  require(found != header.numbers.end() || header.texts.count(name) == 0,
-          "{}: expected a number for \"{}\", got another kind", path, name);
-  require(found != header.numbers.end(), "{}: expected the attribute \"{}\", which is missing; add it, in SI units",
-          path, name);
-  return found->second;
-}
-
-}  // namespace
-
 void save_field_exr(const std::string& path, const Field& field) {
   ExrHeader header{field.grid.nx, field.grid.ny, {"real", "imag"}, {}, {}};
-  const auto put = [&](const char* name, double value) { header.numbers[name] = value; };
-  put("pitch_m", field.grid.pitch);
-  put("wavelengths_m", field.wavelength);
-  put("z_m", field.z);
-  if (field.grid.centre_x != 0) put("centre_x_m", field.grid.centre_x);
-  if (field.grid.centre_y != 0) put("centre_y_m", field.grid.centre_y);
-  header.texts["image"] = image_side_name(field.image);
-  if (!field.label.name.empty()) header.texts["name"] = field.label.name;
-  if (field.label.frame > 0) put("frame", field.label.frame);
-  if (field.label.cone_wavelength > 0) put("cone_wavelength_m", field.label.cone_wavelength);
-  if (field.filter) {
-    const double values[] = {field.filter->u0, field.filter->v0, field.filter->half_u, field.filter->half_v};
-    for (int i = 0; i < 4; ++i) put(filter_attributes[i], values[i]);
-  }
+  flat_metadata(metadata_of(field), [&](const std::string& name, const nlohmann::ordered_json& value) {
+    if (value.is_string())
+      header.texts[name] = value;
+    else
+      header.numbers[name] = value;
+  });
   write_exr(path, header, reinterpret_cast<const float*>(field.samples.values.data()));
 }
 
@@ -57,29 +36,19 @@ Field read_field_exr(const std::string& path) {
   require(real >= 0 && imag >= 0, "{}: expected the channels \"real\" and \"imag\" of a field, got other channels",
           path);
 
-  Field field;
-  field.grid.nx = picture->columns;
-  field.grid.ny = picture->rows;
-  field.samples = Array2D<std::complex<float>>(picture->rows, picture->columns);
+  Array2D<std::complex<float>> samples(picture->rows, picture->columns);
   const auto& values = std::get<std::vector<float>>(picture->samples);
-  for (size_t i = 0; i < field.samples.size(); ++i) {
+  for (size_t i = 0; i < samples.size(); ++i) {
     const float* sample = values.data() + i * picture->channels.size();
-    field.samples.values[i] = {sample[real], sample[imag]};
+    samples.values[i] = {sample[real], sample[imag]};
   }
-  const auto has = [&](const char* name) { return picture->numbers.count(name) + picture->texts.count(name) > 0; };
-  field.grid.pitch = header_number(*picture, "pitch_m", path);
-  field.wavelength = header_number(*picture, "wavelengths_m", path);
-  if (has("z_m")) field.z = header_number(*picture, "z_m", path);
-  if (has("centre_x_m")) field.grid.centre_x = header_number(*picture, "centre_x_m", path);
-  if (has("centre_y_m")) field.grid.centre_y = header_number(*picture, "centre_y_m", path);
-  if (has("image")) field.image = image_side_from(picture->text("image"), path);
-  field.label.name = printable(picture->text("name"));
-  if (has("frame")) field.label.frame = frame_from(header_number(*picture, "frame", path), path);
-  if (has("cone_wavelength_m")) field.label.cone_wavelength = header_number(*picture, "cone_wavelength_m", path);
-  if (has(filter_attributes[0]))
-    field.filter = SpectralFilter{
-        header_number(*picture, filter_attributes[0], path), header_number(*picture, filter_attributes[1], path),
-        header_number(*picture, filter_attributes[2], path), header_number(*picture, filter_attributes[3], path)};
+  const auto find = [&](const std::string& name, const nlohmann::ordered_json&) -> nlohmann::json {
+    if (const auto number = picture->numbers.find(name); number != picture->numbers.end()) return number->second;
+    if (const auto text = picture->texts.find(name); text != picture->texts.end()) return text->second;
+    return nullptr;
+  };
+  Field field = stack_of<float>(from_flat_metadata(all_metadata<Field>(), find), 1, path)[0];
+  take_samples(field, std::move(samples));
   return field;
 }
 

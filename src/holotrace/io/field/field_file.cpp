@@ -25,38 +25,6 @@ bool is_hdf5_name(const std::string& extension) {
   return extension == ".h5" || extension == ".hdf5" || extension == ".mat";
 }
 
-template <class Real>
-std::string field_metadata(const std::vector<BasicField<Real>>& stack) {
-  const BasicField<Real>& field = stack.front();
-  std::vector<double> wavelengths;
-  for (const auto& one : stack) wavelengths.push_back(one.wavelength);
-  nlohmann::ordered_json json{{"pitch_m", field.grid.pitch},
-                              {"wavelengths_m", wavelengths},
-                              {"z_m", field.z},
-                              {"image", image_side_name(field.image)}};
-  if (field.grid.centre_x != 0) json["centre_x_m"] = field.grid.centre_x;
-  if (field.grid.centre_y != 0) json["centre_y_m"] = field.grid.centre_y;
-  if (!field.label.name.empty()) json["name"] = field.label.name;
-  if (field.label.frame > 0) json["frame"] = field.label.frame;
-  if (const std::vector<double> cones = different_cones(stack); !cones.empty())
-    json["cone_wavelengths_m"] = cones;
-  else if (field.label.cone_wavelength > 0)
-    json["cone_wavelength_m"] = field.label.cone_wavelength;
-  if (field.filter) json["filter"] = filter_to_json(*field.filter);
-  return json.dump(2) + "\n";
-}
-
-std::vector<double> numbers_of_fields(const nlohmann::json& json, const char* key, size_t count,
-                                      const std::string& path) {
-  const auto found = json.find(key);
-  require(found != json.end(), "{}: expected the key \"{}\", which is missing; add it, in SI units", path, key);
-  const bool are_numbers = found->is_array() && std::all_of(found->begin(), found->end(),
-                                                            [](const auto& value) { return value.is_number(); });
-  require(are_numbers && found->size() == count,
-          "{}: expected {} number(s) in \"{}\", one per field of the stack, got {}", path, count, key, found->dump());
-  return found->template get<std::vector<double>>();
-}
-
 // The metadata beside an .npy file, under its name or the one of earlier versions.
 std::string sidecar_of(const std::string& path) {
   std::error_code ignored;
@@ -70,27 +38,8 @@ template <class Real>
 std::vector<BasicField<Real>> read_fields_npy(const std::string& path) {
   std::vector<Array2D<std::complex<Real>>> arrays = read_npy<Real>(path);
   const std::string sidecar = sidecar_of(path);
-  const nlohmann::json json = read_metadata(sidecar);
-  BasicField<Real> field;
-  field.grid = {arrays.front().nx, arrays.front().ny, metadata_number(json, sidecar, "pitch_m")};
-  field.grid.centre_x = metadata_number(json, sidecar, "centre_x_m", 0.0);
-  field.grid.centre_y = metadata_number(json, sidecar, "centre_y_m", 0.0);
-  const std::vector<double> wavelengths = numbers_of_fields(json, "wavelengths_m", arrays.size(), sidecar);
-  field.z = metadata_number(json, sidecar, "z_m", 0.0);
-  field.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
-  field.label.name = metadata_text(json, sidecar, "name", "");
-  field.label.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
-  std::vector<double> cones(arrays.size(), metadata_number(json, sidecar, "cone_wavelength_m", 0.0));
-  if (json.contains("cone_wavelengths_m"))
-    cones = numbers_of_fields(json, "cone_wavelengths_m", arrays.size(), sidecar);
-  field.filter = filter_from_json(json, sidecar);
-  std::vector<BasicField<Real>> stack;
-  for (size_t n = 0; n < arrays.size(); ++n) {
-    field.wavelength = wavelengths[n];
-    field.label.cone_wavelength = cones[n];
-    stack.push_back(field);
-    stack.back().samples = std::move(arrays[n]);
-  }
+  std::vector<BasicField<Real>> stack = stack_of<Real>(read_metadata(sidecar), arrays.size(), sidecar);
+  for (size_t n = 0; n < arrays.size(); ++n) take_samples(stack[n], std::move(arrays[n]));
   return stack;
 }
 
@@ -168,7 +117,7 @@ void save_fields(const std::string& path, const std::vector<BasicField<Real>>& s
     std::vector<const Array2D<std::complex<Real>>*> arrays;
     for (const auto& field : stack) arrays.push_back(&field.samples);
     write_npy(file, arrays);
-    write_text(sidecar_path(path), field_metadata(stack));
+    write_text(sidecar_path(path), stack_metadata(stack).dump(2) + "\n");
     file.finish();
   } else if (extension == ".h5") {
     write_atomically(path, [&](const std::string& temporary) { write_fields_hdf5(temporary, stack); });

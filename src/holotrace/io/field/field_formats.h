@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "holotrace/data/field.h"
@@ -12,16 +13,12 @@
 
 namespace holotrace {
 
-/// The wavelengths of the cones of a stack's fields, if they differ; otherwise empty, and the first one is that of all.
+/// Gives a field samples, and its grid their shape.
 template <class Real>
-std::vector<double> different_cones(const std::vector<BasicField<Real>>& stack) {
-  std::vector<double> cones;
-  bool do_differ = false;
-  for (const auto& field : stack) {
-    cones.push_back(field.label.cone_wavelength);
-    do_differ |= field.label.cone_wavelength != stack.front().label.cone_wavelength;
-  }
-  return do_differ ? cones : std::vector<double>();
+void take_samples(BasicField<Real>& field, Array2D<std::complex<Real>> samples) {
+  field.grid.nx = samples.nx;
+  field.grid.ny = samples.ny;
+  field.samples = std::move(samples);
 }
 
 /// Fields that share one grid, plane, image side and filter, one per wavelength.

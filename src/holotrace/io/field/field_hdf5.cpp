@@ -26,25 +26,7 @@ hid_t create_dataset(hid_t file, const std::vector<BasicField<Real>>& stack, hid
   H5Pset_obj_track_times(properties, false);
   const hid_t data = H5Dcreate2(file, "field", stored, space, H5P_DEFAULT, properties, H5P_DEFAULT);
   require_written(data >= 0, path);
-  std::vector<double> wavelengths;
-  for (const auto& one : stack) wavelengths.push_back(one.wavelength);
-  write_number(data, "pitch_m", field.grid.pitch, path);
-  write_numbers(data, "wavelengths_m", wavelengths, path);
-  write_number(data, "z_m", field.z, path);
-  if (field.grid.centre_x != 0) write_number(data, "centre_x_m", field.grid.centre_x, path);
-  if (field.grid.centre_y != 0) write_number(data, "centre_y_m", field.grid.centre_y, path);
-  write_word(data, "image", image_side_name(field.image), path);
-  if (!field.label.name.empty()) write_word(data, "name", field.label.name, path);
-  if (field.label.frame > 0) write_number(data, "frame", field.label.frame, path);
-  if (const std::vector<double> cones = different_cones(stack); !cones.empty())
-    write_numbers(data, "cone_wavelengths_m", cones, path);
-  else if (field.label.cone_wavelength > 0)
-    write_number(data, "cone_wavelength_m", field.label.cone_wavelength, path);
-  if (field.filter) {
-    const SpectralFilter& f = *field.filter;
-    const double values[] = {f.u0, f.v0, f.half_u, f.half_v};
-    for (int i = 0; i < 4; ++i) write_number(data, filter_attributes[i], values[i], path);
-  }
+  write_attributes(data, stack_metadata(stack), path);
   return data;
 }
 
@@ -99,7 +81,7 @@ std::vector<uint64_t> chunk_offsets_hdf5(const std::string& path, const std::vec
       hsize_t size = 0;
       require(
           H5Dget_chunk_info_by_coord(data, at.data() + first, nullptr, &address, &size) >= 0 && address != HADDR_UNDEF,
-          "{}: expected a place for row {}, got none; delete the file", path, row);
+          "{}: expected an unfinished HDF5 field with room for row {}, got none; delete the file", path, row);
       offsets.push_back(address);
     }
   return offsets;

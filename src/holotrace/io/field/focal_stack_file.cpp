@@ -6,6 +6,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/io/field/hdf5_access.h"
+#include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/child_process.h"
 #include "holotrace/io/files/file.h"
 
@@ -40,8 +41,7 @@ void write_stack(const std::string& path, const FocalStack& stack) {
     const Handle data(H5Dcreate2(file, dataset_name, H5T_IEEE_F32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT),
                       H5Dclose);
     require_written(data.valid(), path);
-    write_number(data, "pitch_m", grid.pitch, path);
-    write_numbers(data, "distances_m", stack.distances, path);
+    write_attributes(data, metadata_of(stack), path);
     write_word(data, "unit", "W/m2/sr", path);
     for (size_t k = 0; k < stack.pictures.size(); ++k)
       require_written(for_plane(data, shape, k,
@@ -110,8 +110,7 @@ FocalStack load_focal_stack(const std::string& path, Outside outside) {
     const StackShape shape = shape_of(data, path);
     require_all_samples(data, samples_of(shape), path);
     out.value(shape);
-    out.value(read_number(data, "pitch_m", path));
-    out.list(read_numbers(data, "distances_m", hssize_t(shape[0]), path));
+    out.text(metadata_bytes(data.metadata(all_metadata<FocalStack>(), path)));
     send_pictures(data, shape, path, out);
   };
   read_in_child(path, read, [&](FromChild& from) {
@@ -120,8 +119,12 @@ FocalStack load_focal_stack(const std::string& path, Outside outside) {
     require(shape[0] < limit && shape[1] < limit && shape[2] < limit && (shape[3] == 1 || shape[3] == 3),
             "{}: expected a focal stack, but it is damaged", path);
     require_memory(samples_of(shape) * sizeof(float), fmt::format("the focal stack {}", path));
-    stack.grid = {int(shape[2]), int(shape[1]), from.value<double>()};
-    stack.distances = from.list<double>();
+    const nlohmann::json metadata = metadata_from_bytes(from.text(), path);
+    MetadataReader reader(metadata, path, "add it in SI units, as an attribute of \"focal_stack\"");
+    members(reader, stack);
+    stack.grid.nx = int(shape[2]), stack.grid.ny = int(shape[1]);
+    require(stack.distances.size() == shape[0], "{}: expected {} number(s) in \"distances_m\", one per plane, got {}",
+            path, shape[0], stack.distances.size());
     for (size_t k = 0; k < shape[0]; ++k) {
       Image& picture = stack.pictures.emplace_back(stack.grid.ny, stack.grid.nx, int(shape[3]));
       picture.pitch = stack.grid.pitch;

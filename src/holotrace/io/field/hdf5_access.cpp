@@ -4,6 +4,7 @@
 #include <array>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file_kind.h"
 
 namespace holotrace {
@@ -145,6 +146,19 @@ std::vector<double> Hdf5Dataset::numbers(const char* name) const {
   return status >= 0 ? values : std::vector<double>();
 }
 
+nlohmann::json Hdf5Dataset::metadata(const nlohmann::ordered_json& pattern, const std::string& path) const {
+  return from_flat_metadata(
+      pattern, [&](const std::string& name, const nlohmann::ordered_json& like) -> nlohmann::json {
+        if (like.is_string()) {
+          if (H5Aexists(data_, name.c_str()) <= 0) return nullptr;
+          return read_word(data_, name.c_str(), path);
+        }
+        const std::vector<double> values = numbers(name.c_str());
+        if (values.empty()) return nullptr;
+        return like.is_array() || values.size() > 1 ? nlohmann::json(values) : nlohmann::json(values[0]);
+      });
+}
+
 std::optional<ComplexNames> complex_names(hid_t type) {
   if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_nmembers(type) != 2) return std::nullopt;
   const auto is_number = [&](const char* part) {
@@ -164,13 +178,18 @@ hid_t complex_type(size_t bytes, hid_t real, const ComplexNames& names) {
   return type;
 }
 
-void write_numbers(hid_t object, const char* name, const std::vector<double>& values, const std::string& path) {
-  const hsize_t count = values.size();
-  write_attribute(object, name, values.data(), H5Screate_simple(1, &count, nullptr), path);
-}
-
 void write_number(hid_t object, const char* name, double value, const std::string& path) {
   write_attribute(object, name, &value, H5Screate(H5S_SCALAR), path);
+}
+
+void write_attributes(hid_t object, const nlohmann::ordered_json& metadata, const std::string& path) {
+  flat_metadata(metadata, [&](const std::string& name, const nlohmann::ordered_json& value) {
+    if (value.is_string()) return write_word(object, name.c_str(), value, path);
+    if (value.is_number()) return write_number(object, name.c_str(), value, path);
+    const std::vector<double> values = value;
+    const hsize_t count = values.size();
+    write_attribute(object, name.c_str(), values.data(), H5Screate_simple(1, &count, nullptr), path);
+  });
 }
 
 void write_word(hid_t object, const char* name, const std::string& value, const std::string& path) {
@@ -183,23 +202,16 @@ void write_word(hid_t object, const char* name, const std::string& value, const 
   require_written(attribute.valid() && H5Awrite(attribute, type, &text) >= 0, path);
 }
 
-std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path) {
+double read_number(hid_t object, const char* name, const std::string& path) {
   require(H5Aexists(object, name) > 0,
           "{}: expected the attribute \"{}\" of \"{}\", which is missing; add it, in SI units", path, name,
           name_of(object));
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle space(H5Aget_space(attribute), H5Sclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space);
-  require(count == wanted, "{}: expected {} number(s) in \"{}\", as many as \"{}\" has parts, got {}", path, wanted,
-          name, name_of(object), count);
-  std::vector<double> values(size_t(wanted), 0.0);
-  require(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) >= 0,
+  double value = 0;
+  require(H5Sget_simple_extent_npoints(space) == 1 && H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) >= 0,
           "{}: expected a number for \"{}\", got another kind", path, name);
-  return values;
-}
-
-double read_number(hid_t object, const char* name, const std::string& path) {
-  return read_numbers(object, name, 1, path).front();
+  return value;
 }
 
 std::string read_word(hid_t object, const char* name, const std::string& path) {

@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -67,6 +68,11 @@ class Hdf5Dataset {
   /// variable; empty if there is neither.
   std::vector<double> numbers(const char* name) const;
 
+  /// The values of metadata that it has, as such attributes or datasets.
+  /// @param pattern  as in from_flat_metadata
+  /// @throws Error   for a text that is another kind of value
+  nlohmann::json metadata(const nlohmann::ordered_json& pattern, const std::string& path) const;
+
   /// Rows of one chunk, the last but `after` of its dimensions; 1 if the dataset is not stored in chunks.
   hsize_t chunk_rows(int after) const;
 
@@ -91,12 +97,11 @@ hid_t complex_type(size_t bytes, hid_t real, const ComplexNames& names = {});
 
 void write_number(hid_t object, const char* name, double value, const std::string& path);
 
-/// Numbers as an attribute with one dimension.
-void write_numbers(hid_t object, const char* name, const std::vector<double>& values, const std::string& path);
+/// Metadata as attributes: numbers, texts, and lists of numbers with one dimension.
+void write_attributes(hid_t object, const nlohmann::ordered_json& metadata, const std::string& path);
 void write_word(hid_t object, const char* name, const std::string& value, const std::string& path);
 
-/// The numbers of an attribute. @throws Error if it is missing, or unless it has as many numbers as `wanted`
-std::vector<double> read_numbers(hid_t object, const char* name, hssize_t wanted, const std::string& path);
+/// The number of an attribute. @throws Error if it is missing or of another kind
 double read_number(hid_t object, const char* name, const std::string& path);
 std::string read_word(hid_t object, const char* name, const std::string& path);
 

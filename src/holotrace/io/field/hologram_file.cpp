@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/field/effects_json.h"
 #include "holotrace/io/field/grey_levels.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
@@ -22,12 +21,6 @@ namespace {
 void check_levels(double levels, const std::string& path) {
   require(levels == std::floor(levels) && levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}",
           path, levels);
-}
-
-int read_levels(const nlohmann::json& json, const std::string& sidecar, std::optional<double> fallback = std::nullopt) {
-  const double levels = metadata_number(json, sidecar, "levels", fallback);
-  check_levels(levels, sidecar);
-  return int(levels);
 }
 
 // Path of a file beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
@@ -56,33 +49,41 @@ std::shared_ptr<const Array2D<float>> load_map(const std::string& path, const ch
   return map;
 }
 
-// Reads the panel of a sidecar, on the hologram's grid.
-Slm read_slm(const nlohmann::json& json, const Grid& grid, const std::string& path, const std::string& sidecar) {
-  require(json.is_object(), "{}: expected an object for \"slm\", got {}", sidecar, json.dump());
-  Slm slm;
-  slm.name = metadata_text(json, sidecar, "name", "");
-  slm.grid = grid;
-  slm.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
-  slm.levels = read_levels(json, sidecar);
-  slm.fill_factor = metadata_number(json, sidecar, "fill_factor");
-  slm.fill_x = metadata_number(json, sidecar, "fill_x", 0.0);
-  slm.fill_y = metadata_number(json, sidecar, "fill_y", 0.0);
-  slm.design_wavelength = metadata_number(json, sidecar, "design_wavelength_m");
-  slm.phase_range = metadata_number(json, sidecar, "phase_range_rad", slm.phase_range);
-  slm.preset = metadata_text(json, sidecar, "panel", "");
-  slm.source = metadata_text(json, sidecar, "source", "");
-  if (json.contains("effects")) slm.effects = effects_from_json(json["effects"], sidecar);
-  if (json.contains("phase_map"))
+void check_viewing(const ViewingConditions& viewing, const std::string& sidecar) {
+  require(viewing.pupil >= 0 && viewing.eye.z >= 0,
+          "{}: expected a pupil and an eye's z of 0 m or more in \"viewing\", got {} m and {} m", sidecar,
+          viewing.pupil, viewing.eye.z);
+}
+
+// The hologram of metadata; the maps of its panel are files beside it. @param hologram  with defaults for absent values
+void read_hologram(const nlohmann::json& json, const std::string& path, const std::string& sidecar,
+                   Hologram& hologram) {
+  MetadataReader reader(json, sidecar);
+  members(reader, hologram);
+  require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,
+          "{}: expected a pitch and a wavelength of 0 m or more, got {} m and {} m", sidecar, hologram.grid.pitch,
+          hologram.wavelength);
+  check_levels(hologram.levels, sidecar);
+  require(hologram.illumination >= 0, "{}: expected an illumination of 0 W/m² or more, got {} W/m²", sidecar,
+          hologram.illumination);
+  for (const JointColour& colour : hologram.colours)
+    require(
+        colour.wavelength > 0 && colour.illumination >= 0,
+        "{}: expected \"colours\" with wavelengths above 0 m and illuminations of 0 W/m² or more, got {} m and {} W/m²",
+        sidecar, colour.wavelength, colour.illumination);
+  check_viewing(hologram.viewing, sidecar);
+  if (!hologram.slm) return;
+  Slm& slm = *hologram.slm;
+  slm.grid = hologram.grid;
+  if (json["slm"].contains("phase_map"))
     slm.effects.phase_map = load_map(phase_map_path(path), "the phase map of a hologram's panel");
-  if (json.contains("light_map"))
+  if (json["slm"].contains("light_map"))
     slm.effects.light_map = load_map(light_map_path(path), "the light map of a hologram's panel");
-  if (json.contains("own_effects")) slm.own_effects = metadata_texts(json, sidecar, "own_effects");
   try {
     check_slm(slm);
   } catch (const Error& error) {
     fail("{}: {}", sidecar, error.what());
   }
-  return slm;
 }
 
 // Longer texts than this are not read by libpng.
@@ -101,74 +102,6 @@ std::string metadata_in(const std::string& path) {
   return extension_of(path) == ".png" ? text_in_image(path, metadata_name) : "";
 }
 
-nlohmann::ordered_json to_json(const Slm& slm) {
-  nlohmann::ordered_json json{{"name", slm.name},
-                              {"modulation", modulation_name(slm.modulation)},
-                              {"levels", slm.levels},
-                              {"fill_factor", slm.fill_factor},
-                              {"design_wavelength_m", slm.design_wavelength},
-                              {"phase_range_rad", slm.phase_range}};
-  if (slm.fill_x > 0) {
-    json["fill_x"] = slm.fill_x;
-    json["fill_y"] = slm.fill_y;
-  }
-  if (!slm.preset.empty()) json["panel"] = slm.preset;
-  if (!slm.source.empty()) json["source"] = slm.source;
-  if (nlohmann::ordered_json effects = effects_to_json(slm.effects); !effects.empty()) json["effects"] = effects;
-  if (!slm.own_effects.empty()) json["own_effects"] = slm.own_effects;
-  return json;
-}
-
-void read_losses(const nlohmann::json& list, const std::string& sidecar, Hologram& hologram) {
-  hologram.loses_by_cone = hologram.loses_by_pixels = false;
-  for (const nlohmann::json& loss : list) {
-    require(list.is_array() && (loss == "cone" || loss == "pixels"),
-            "{}: expected a list of \"cone\" and \"pixels\" as \"loses_by\", got another value", sidecar);
-    (loss == "cone" ? hologram.loses_by_cone : hologram.loses_by_pixels) = true;
-  }
-}
-
-std::vector<JointColour> colours_from(const nlohmann::json& json, const std::string& sidecar) {
-  require(json.is_array(), "{}: expected a list of \"colours\", got another kind", sidecar);
-  std::vector<JointColour> colours;
-  for (const nlohmann::json& colour : json) {
-    colours.push_back(
-        {metadata_number(colour, sidecar, "wavelength_m"), metadata_number(colour, sidecar, "illumination_w_per_m2")});
-    require(
-        colours.back().wavelength > 0 && colours.back().illumination >= 0,
-        "{}: expected \"colours\" with wavelengths above 0 m and illuminations of 0 W/m² or more, got {} m and {} W/m²",
-        sidecar, colours.back().wavelength, colours.back().illumination);
-  }
-  return colours;
-}
-
-nlohmann::ordered_json to_json(const ViewingConditions& viewing) {
-  nlohmann::ordered_json json{{"distances_m", viewing.distances}};
-  if (viewing.pupil > 0) {
-    json["pupil_m"] = viewing.pupil;
-    json["eye_m"] = {viewing.eye.x, viewing.eye.y, viewing.eye.z};
-  }
-  return json;
-}
-
-ViewingConditions viewing_from(const nlohmann::json& json, const std::string& sidecar) {
-  require(json.is_object(), "{}: expected an object for \"viewing\", got {}", sidecar, json.dump());
-  ViewingConditions viewing;
-  viewing.distances = metadata_numbers(json, sidecar, "distances_m");
-  viewing.pupil = metadata_number(json, sidecar, "pupil_m", 0.0);
-  if (json.contains("eye_m")) {
-    const std::vector<double> eye = metadata_numbers(json, sidecar, "eye_m");
-    require(eye.size() == 3, "{}: expected three numbers for \"eye_m\", got {}", sidecar, eye.size());
-    viewing.eye = {eye[0], eye[1], eye[2]};
-  }
-  const bool are_distances = std::all_of(viewing.distances.begin(), viewing.distances.end(),
-                                         [](double distance) { return std::isfinite(distance); });
-  require(are_distances && viewing.pupil >= 0 && viewing.eye.z >= 0,
-          "{}: expected finite distances, and a pupil and an eye's z of 0 m or more in \"viewing\", got {}", sidecar,
-          json.dump());
-  return viewing;
-}
-
 }  // namespace
 
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
@@ -177,26 +110,9 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
           path, hologram.level.nx, hologram.level.ny);
-  nlohmann::ordered_json json{{"kind", "hologram"},
-                              {"pitch_m", hologram.grid.pitch},
-                              {"wavelength_m", hologram.wavelength},
-                              {"levels", hologram.levels},
-                              {"modulation", modulation_name(hologram.modulation)},
-                              {"image", image_side_name(hologram.image)},
-                              {"encoder", hologram.encoder},
-                              {"illumination_w_per_m2", hologram.illumination}};
-  for (const JointColour& colour : hologram.colours)
-    json["colours"].push_back({{"wavelength_m", colour.wavelength}, {"illumination_w_per_m2", colour.illumination}});
-  if (!hologram.label.name.empty()) json["name"] = hologram.label.name;
-  if (hologram.label.frame > 0) json["frame"] = hologram.label.frame;
-  if (hologram.label.cone_wavelength > 0) json["cone_wavelength_m"] = hologram.label.cone_wavelength;
-  if (!hologram.loses_by_cone || !hologram.loses_by_pixels) {
-    json["loses_by"] = nlohmann::json::array();
-    if (hologram.loses_by_cone) json["loses_by"].push_back("cone");
-    if (hologram.loses_by_pixels) json["loses_by"].push_back("pixels");
-  }
-  if (!hologram.effects.empty()) json["effects"] = hologram.effects;
-  if (hologram.slm) json["slm"] = to_json(*hologram.slm);
+  MetadataWriter writer{.json = {{"kind", "hologram"}}};
+  members(writer, const_cast<Hologram&>(hologram));
+  nlohmann::ordered_json& json = writer.json;
   if (hologram.slm && hologram.slm->effects.phase_map) {
     const std::string map = phase_map_path(path);
     json["slm"]["phase_map"] = file_name(map);
@@ -212,9 +128,6 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
     json["modulus"] = file_name(modulus);
     write_greys(modulus, hologram.modulus_level, hologram.levels, Modulation::amplitude);
   }
-  if (hologram.filter) json["filter"] = filter_to_json(*hologram.filter);
-  if (hologram.viewing.are_known()) json["viewing"] = to_json(hologram.viewing);
-
   if (part.count > 1) {
     json["part"] = part.number;
     json["parts"] = part.count;
@@ -256,8 +169,9 @@ SeriesPart series_part(const std::string& path) {
   const std::string text = metadata_in(path);
   if (text.empty()) return {};
   const nlohmann::json json = parse_metadata(text, path);
-  return {size_t(frame_from(metadata_number(json, path, "part", 1), path)),
-          size_t(frame_from(metadata_number(json, path, "parts", 1), path))};
+  uint32_t number = 1, count = 1;
+  MetadataReader(json, path)(key("part", number), key("parts", count));
+  return {number, count};
 }
 
 FileRecord hologram_record(const std::string& path) {
@@ -270,7 +184,13 @@ ViewingConditions viewing_of_file(const std::string& path) {
   const std::string text = metadata_in(path), beside = text.empty() ? hologram_sidecar(path) : "";
   if (text.empty() && beside.empty()) return {};
   const nlohmann::json json = beside.empty() ? parse_metadata(text, path) : read_metadata(beside);
-  return json.contains("viewing") ? viewing_from(json["viewing"], beside.empty() ? path : beside) : ViewingConditions();
+  ViewingConditions viewing;
+  if (json.contains("viewing")) {
+    MetadataReader reader(json["viewing"], beside.empty() ? path : beside);
+    members(reader, viewing);
+    check_viewing(viewing, path);
+  }
+  return viewing;
 }
 
 Hologram load_hologram(const std::string& path, const CompleteHologram& complete) {
@@ -284,35 +204,16 @@ Hologram load_hologram(const std::string& path, const CompleteHologram& complete
   const std::string beside = is_inside ? "" : hologram_sidecar(path), sidecar = beside.empty() ? path : beside;
   if (is_inside || !beside.empty()) {
     const nlohmann::json json = is_inside ? parse_metadata(greys.metadata, path) : read_metadata(beside);
-    hologram.grid.pitch = metadata_number(json, sidecar, "pitch_m");
-    hologram.wavelength = metadata_number(json, sidecar, "wavelength_m");
-    require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,
-            "{}: expected a pitch and a wavelength of 0 m or more, got {} m and {} m", sidecar, hologram.grid.pitch,
-            hologram.wavelength);
-    hologram.levels = read_levels(json, sidecar, hologram.levels);
-    hologram.modulation = modulation_from(metadata_text(json, sidecar, "modulation", "phase"), sidecar);
-    hologram.image = image_side_from(metadata_text(json, sidecar, "image", "virtual"), sidecar);
-    hologram.encoder = metadata_text(json, sidecar, "encoder", "");
-    hologram.illumination = metadata_number(json, sidecar, "illumination_w_per_m2", hologram.illumination);
-    require(hologram.illumination >= 0, "{}: expected an illumination of 0 W/m² or more, got {} W/m²", sidecar,
-            hologram.illumination);
-    if (json.contains("colours")) hologram.colours = colours_from(json["colours"], sidecar);
-    hologram.label.name = metadata_text(json, sidecar, "name", "");
-    hologram.label.frame = frame_from(metadata_number(json, sidecar, "frame", 0.0), sidecar);
-    hologram.label.cone_wavelength = metadata_number(json, sidecar, "cone_wavelength_m", 0.0);
-    if (json.contains("loses_by")) read_losses(json["loses_by"], sidecar, hologram);
-    hologram.filter = filter_from_json(json, sidecar);
-    hologram.effects = metadata_texts(json, sidecar, "effects");
-    if (json.contains("viewing")) hologram.viewing = viewing_from(json["viewing"], sidecar);
-    if (json.contains("slm")) hologram.slm = read_slm(json["slm"], hologram.grid, path, sidecar);
+    read_hologram(json, path, sidecar, hologram);
   }
   if (complete) {
     const bool has_metadata = is_inside || !beside.empty();
     HologramParams given{hologram.image, hologram.modulation, hologram.levels, hologram.grid.pitch, 0, 0};
     complete(given);
-    require(!has_metadata || (given.levels == hologram.levels && given.modulation == hologram.modulation),
-            "expected levels and modulation only for files without metadata; {} says that it has {} levels", path,
-            hologram.levels);
+    require(
+        !has_metadata || (given.levels == hologram.levels && given.modulation == hologram.modulation),
+        "expected --levels and --modulation only for files without metadata, got them for {}, whose metadata say {} levels; leave them out",
+        path, hologram.levels);
     if (given.levels > 0) hologram.levels = given.levels;
     hologram.image = given.image;
     hologram.modulation = given.modulation;

@@ -26,7 +26,7 @@ struct SeriesPart {
 ///
 /// so that the 8-bit grey g always means the phase 2πg/256 or the amplitude g/255.
 /// The amplitudes of a complex hologram are in a second PNG, NAME_modulus.png. `slm` has the panel's figures and all
-/// its effects (effects_json.h), so the hologram does not need the panel's own file. A phase map is an image
+/// its effects, so the hologram does not need the panel's own file. A phase map is an image
 /// beside it, NAME_phase_map.exr [rad], and a light map NAME_light_map.exr, with the PNG's name. `effects` are those that the
 /// levels compensate.
 /// @param part    its place in a series

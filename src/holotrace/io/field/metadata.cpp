@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/printable.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/io/files/json_text.h"
 #include "holotrace/io/files/text_lines.h"
@@ -39,65 +41,162 @@ std::string metadata_text(const nlohmann::json& json, const std::string& path, c
   return found->get<std::string>();
 }
 
-std::vector<std::string> metadata_texts(const nlohmann::json& json, const std::string& path, const char* key) {
+void MetadataReader::expect(bool holds, const char* what, const nlohmann::json& json, const char* name) const {
+  if (!holds)
+    fail("{}: expected {} for \"{}\", got {}", path_, what, name,
+         json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+double MetadataReader::whole(const nlohmann::json& json, const char* name, double least, double most) const {
+  double value = 0;
+  from(json, name, value);
+  require(value == std::floor(value) && value >= least && value <= most,
+          "{}: expected a whole number from {:.0f} to {:.0f} for \"{}\", got {}", path_, least, most, name, value);
+  return value;
+}
+
+void MetadataReader::from(const nlohmann::json& json, const char* name, double& value) const {
+  expect(json.is_number(), "a number", json, name);
+  value = json.get<double>();
+  require(std::isfinite(value), "{}: expected a finite number for \"{}\", got {}", path_, name, value);
+}
+
+void MetadataReader::from(const nlohmann::json& json, const char* name, std::string& value) const {
+  expect(json.is_string(), "a text", json, name);
+  value = printable(json.get_ref<const std::string&>());
+}
+
+void MetadataReader::from(const nlohmann::json& json, const char* name, Vec3& value) const {
+  expect(json.is_array() && json.size() == 3, "three numbers", json, name);
+  from(json[0], name, value.x), from(json[1], name, value.y), from(json[2], name, value.z);
+}
+
+void MetadataReader::from(const nlohmann::json& json, const char* name, DeadPixel& value) const {
+  expect(json.is_array() && json.size() == 3, "[column, row, level]", json, name);
+  from(json[0], name, value.column), from(json[1], name, value.row), from(json[2], name, value.level);
+}
+
+void MetadataReader::from(const nlohmann::json& json, const char* name, LightLosses& value) const {
+  value = {false, false};
+  expect(json.is_array(), "a list of \"cone\" and \"pixels\"", json, name);
+  for (const nlohmann::json& loss : json) {
+    expect(loss == "cone" || loss == "pixels", "a list of \"cone\" and \"pixels\"", json, name);
+    (loss == "cone" ? value.by_cone : value.by_pixels) = true;
+  }
+}
+
+void MetadataReader::from(const nlohmann::json& json, const char* name, std::vector<CalibrationPoint>& value) const {
+  expect(json.is_object(), "an object", json, name);
+  std::vector<double> phases, amplitudes;
+  MetadataReader table(json, path_);
+  table(key("phase_rad", phases), key("amplitude", amplitudes));
+  require(phases.size() == amplitudes.size(),
+          "{}: expected as many calibrated amplitudes as phases, got {} and {}; write the hologram again", path_,
+          amplitudes.size(), phases.size());
+  value.clear();
+  for (size_t level = 0; level < phases.size(); ++level) value.push_back({phases[level], amplitudes[level]});
+}
+
+void MetadataReader::refuse_name(const char* name, const std::string& text,
+                                 const std::vector<std::string>& known) const {
+  fail("{}: {}", path_, unknown_name_message(name, text, known));
+}
+
+namespace {
+
+constexpr const char *wavelengths_key = "wavelengths_m", *cone_key = "cone_wavelength_m",
+                     *cones_key = "cone_wavelengths_m";
+
+// One number for each field of a stack. A single one may stand without a list.
+std::vector<double> numbers_of_fields(const nlohmann::json& json, const char* key, size_t count,
+                                      const std::string& path, const std::string& how_to_add) {
   const auto found = json.find(key);
-  if (found == json.end()) return {};
-  const bool is_list = found->is_array() && std::all_of(found->begin(), found->end(),
-                                                        [](const nlohmann::json& item) { return item.is_string(); });
-  require(is_list, "{}: expected a list of texts for \"{}\", got {}", path, key, found->dump());
-  return found->get<std::vector<std::string>>();
+  require(found != json.end(), "{}: expected the key \"{}\", which is missing; {}", path, key, how_to_add);
+  const nlohmann::json list = found->is_number() ? nlohmann::json{*found} : *found;
+  const bool are_numbers =
+      list.is_array() && std::all_of(list.begin(), list.end(), [](const auto& value) { return value.is_number(); });
+  require(are_numbers && list.size() == count,
+          "{}: expected {} number(s) in \"{}\", one per field of the stack, got {}", path, count, key, found->dump());
+  return list.get<std::vector<double>>();
 }
 
-std::vector<double> metadata_numbers(const nlohmann::json& json, const std::string& path, const char* key) {
-  const auto found = json.find(key);
-  const bool is_list = found != json.end() && found->is_array() &&
-                       std::all_of(found->begin(), found->end(), [](const nlohmann::json& item) {
-                         return item.is_number() && std::isfinite(item.get<double>());
-                       });
-  require(is_list, "{}: expected a list of finite numbers for \"{}\", got {}", path, key,
-          found == json.end() ? "nothing" : found->dump());
-  return found->get<std::vector<double>>();
+}  // namespace
+
+template <class Real>
+nlohmann::ordered_json stack_metadata(const std::vector<BasicField<Real>>& stack) {
+  nlohmann::ordered_json json = metadata_of(stack.front());
+  std::vector<double> wavelengths, cones;
+  for (const auto& field : stack) {
+    wavelengths.push_back(field.wavelength);
+    cones.push_back(field.label.cone_wavelength);
+  }
+  json[wavelengths_key] = wavelengths;
+  if (std::adjacent_find(cones.begin(), cones.end(), std::not_equal_to<>()) != cones.end()) {
+    json.erase(cone_key);
+    json[cones_key] = cones;
+  }
+  return json;
 }
 
-const char* image_side_name(ImageSide side) { return side == ImageSide::real_image ? "real" : "virtual"; }
-
-ImageSide image_side_from(const std::string& name, const std::string& path) {
-  if (name == "virtual") return ImageSide::virtual_image;
-  if (name == "real") return ImageSide::real_image;
-  fail("{}: {}", path, unknown_name_message("image", name, {"virtual", "real"}));
+nlohmann::ordered_json all_stack_metadata() {
+  nlohmann::ordered_json pattern = all_metadata<Field>();
+  pattern[wavelengths_key] = pattern[cones_key] = nlohmann::ordered_json::array();
+  return pattern;
 }
 
-const char* modulation_name(Modulation modulation) {
-  if (modulation == Modulation::complex) return "complex";
-  return modulation == Modulation::amplitude ? "amplitude" : "phase";
+template <class Real>
+std::vector<BasicField<Real>> stack_of(nlohmann::json metadata, size_t count, const std::string& path,
+                                       const std::string& how_to_add) {
+  const std::vector<double> wavelengths = numbers_of_fields(metadata, wavelengths_key, count, path, how_to_add);
+  std::vector<double> cones;
+  if (metadata.contains(cones_key)) cones = numbers_of_fields(metadata, cones_key, count, path, how_to_add);
+  std::vector<BasicField<Real>> stack(count);
+  for (size_t n = 0; n < count; ++n) {
+    metadata[wavelengths_key] = wavelengths[n];
+    if (!cones.empty()) metadata[cone_key] = cones[n];
+    MetadataReader reader(metadata, path, how_to_add);
+    members(reader, stack[n]);
+  }
+  return stack;
 }
 
-Modulation modulation_from(const std::string& name, const std::string& path) {
-  if (name == "phase") return Modulation::phase;
-  if (name == "amplitude") return Modulation::amplitude;
-  if (name == "complex") return Modulation::complex;
-  fail("{}: {}", path, unknown_name_message("modulation", name, {"phase", "amplitude", "complex"}));
+void flat_metadata(const nlohmann::ordered_json& metadata,
+                   const std::function<void(const std::string&, const nlohmann::ordered_json&)>& put,
+                   const std::string& prefix) {
+  for (const auto& [key, value] : metadata.items())
+    if (value.is_object())
+      flat_metadata(value, put, prefix + key + "_");
+    else
+      put(prefix + key, value);
 }
 
-uint32_t frame_from(double number, const std::string& path) {
-  require(number >= 0 && number < 0x1p32 && number == std::floor(number),
-          "{}: expected a whole number of 0 or more for \"frame\", got {}", path, number);
-  return uint32_t(number);
+nlohmann::json from_flat_metadata(
+    const nlohmann::ordered_json& pattern,
+    const std::function<nlohmann::json(const std::string&, const nlohmann::ordered_json&)>& find,
+    const std::string& prefix) {
+  nlohmann::json found = nlohmann::json::object();
+  for (const auto& [key, like] : pattern.items()) {
+    nlohmann::json value =
+        like.is_object() ? from_flat_metadata(like, find, prefix + key + "_") : find(prefix + key, like);
+    if (!value.is_null() && !(value.is_object() && value.empty())) found[key] = std::move(value);
+  }
+  return found;
 }
 
-nlohmann::json filter_to_json(const SpectralFilter& filter) {
-  return {{"u0_per_m", filter.u0},
-          {"v0_per_m", filter.v0},
-          {"half_u_per_m", filter.half_u},
-          {"half_v_per_m", filter.half_v}};
+std::string metadata_bytes(const nlohmann::json& metadata) {
+  const std::vector<uint8_t> bytes = nlohmann::json::to_cbor(metadata);
+  return {bytes.begin(), bytes.end()};
 }
 
-std::optional<SpectralFilter> filter_from_json(const nlohmann::json& json, const std::string& path) {
-  const auto found = json.find("filter");
-  if (found == json.end() || found->is_null()) return std::nullopt;
-  require(found->is_object(), "{}: expected an object for \"filter\", got {}", path, found->dump());
-  return SpectralFilter{metadata_number(*found, path, "u0_per_m"), metadata_number(*found, path, "v0_per_m"),
-                        metadata_number(*found, path, "half_u_per_m"), metadata_number(*found, path, "half_v_per_m")};
+nlohmann::json metadata_from_bytes(const std::string& bytes, const std::string& path) {
+  nlohmann::json metadata = nlohmann::json::from_cbor(bytes, true, false);
+  require(metadata.is_object(), "{}: expected metadata, but the file is damaged", path);
+  return metadata;
 }
+
+template nlohmann::ordered_json stack_metadata(const std::vector<Field>&);
+template nlohmann::ordered_json stack_metadata(const std::vector<FieldDouble>&);
+template std::vector<Field> stack_of(nlohmann::json, size_t, const std::string&, const std::string&);
+template std::vector<FieldDouble> stack_of(nlohmann::json, size_t, const std::string&, const std::string&);
 
 }  // namespace holotrace

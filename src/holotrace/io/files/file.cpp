@@ -62,8 +62,8 @@ std::string read_text(const std::string& path, uint64_t most) {
   require(fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode), "expected a file at {}, got something else",
           path);
   const auto check_size = [&](uint64_t size) {
-    require(size <= most, "{}: expected at most {} of this kind of file, got {} or more; is it another file?", path,
-            format_bytes(double(most)), format_bytes(double(size)));
+    require(size <= most, "{}: expected a file of this kind to have at most {}, got {} or more; is it another file?",
+            path, format_bytes(double(most)), format_bytes(double(size)));
   };
   check_size(uint64_t(status.st_size));
   require_memory(double(status.st_size), path);

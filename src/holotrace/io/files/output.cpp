@@ -18,7 +18,8 @@ void check_output(const std::string& path, const std::vector<std::string>& exten
   require(extensions.empty() || is_known, "expected an output file {}, got {}; change its extension",
           fmt::join(extensions, " or "), path);
   std::error_code error;
-  require(!fs::is_directory(path, error), "expected a file to write, {} is a folder; name a file in it", path);
+  require(!fs::is_directory(path, error), "expected the name of a file to write, got the folder {}; name a file in it",
+          path);
   const fs::path parent = fs::path(path).parent_path();
   const fs::path folder = parent.empty() ? fs::path(".") : parent;
   require(fs::is_directory(folder, error), "cannot write {}: the folder {} does not exist; create it first", path,

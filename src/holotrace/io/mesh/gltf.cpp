@@ -82,8 +82,8 @@ void check_nodes(const GltfFile& gltf) {
   for (const Json& scene : gltf.document.value("scenes", Json::array()))
     for (const Json& root : scene.value("nodes", Json::array())) places.at(gltf_count(gltf, root)) = 1;
   for (size_t i = 0; i < nodes.size(); ++i)
-    require(parents[i] + places[i] <= 1, "{}: expected each node in one place, got node {} in several; export it again",
-            gltf.path, i);
+    require(parents[i] + places[i] <= 1,
+            "{}: expected at most one parent for each node, got several for node {}; export it again", gltf.path, i);
 }
 
 std::string decode_base64(std::string_view text) {
@@ -169,7 +169,7 @@ GltfFile read_gltf(const std::string& path, Outside outside) {
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but it is damaged ({}); export it again", path, reason(e));
   } catch (const std::out_of_range&) {
-    fail("{}: expected nodes that are there, got one with a number beyond them; export it again", path);
+    fail("{}: expected the numbers of nodes that the file has, got a larger one; export it again", path);
   }
   return gltf;
 }
@@ -200,8 +200,9 @@ std::vector<size_t> gltf_counts(const GltfFile& gltf, const Json& list) {
 std::string_view gltf_view(const GltfFile& gltf, size_t index) {
   const Json& view = gltf.document.at("bufferViews").at(index);
   const auto number = gltf_count(gltf, view.at("buffer"));
-  require(number < gltf.buffers.size(), "{}: expected buffers below {}, got {} in buffer view {}; export it again",
-          gltf.path, gltf.buffers.size(), number, index);
+  require(number < gltf.buffers.size(),
+          "{}: expected numbers of buffers below {}, got {} in buffer view {}; export it again", gltf.path,
+          gltf.buffers.size(), number, index);
   const std::string& whole = gltf.buffers[number];
   const auto begin = gltf_count(gltf, view, "byteOffset", 0), size = gltf_count(gltf, view.at("byteLength"));
   require(begin <= whole.size() && size <= whole.size() - begin,

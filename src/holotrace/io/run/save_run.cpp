@@ -36,6 +36,9 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const 
   const ViewSeries none;  // the stereo pair has another name
   save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, none, job.camera},
              boxes.sweep.images.empty() || !watch ? Observer() : watch("save the sweep"));
+  save_numbered(set, "view_beside.png", boxes.views_beside, [&](const std::string& path, const Image& image) {
+    save_image(path, image, boxes.white, job.camera.bits);
+  });
   if (!boxes.stereo_renders.empty()) {
     save_stereo(set, "stereo.png", boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);
     save_stereo(set, "holo.png", boxes.stereo_views.images, boxes.stereo_views.white, job.camera.bits);
@@ -49,10 +52,10 @@ void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const 
 
 std::vector<std::string> run_paths(const std::string& folder) {
   std::vector<std::string> paths;
-  for (const char* name :
-       {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json", run_hologram, run_view,
-        "view_sweep.gif", "view_sweep.png", "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png",
-        "holo_left.png", "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
+  for (const char* name : {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json",
+                           run_hologram, run_view, "view_beside.png", "view_sweep.gif", "view_sweep.png",
+                           "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png", "holo_left.png",
+                           "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
     paths.push_back((std::filesystem::path(folder) / name).string());
   return paths;
 }

@@ -180,7 +180,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.effects = allowed_effects(slm, params);
   if (aims_at_targets(params.method)) {
     hologram.filter = stop_of(params, slm.grid, field.wavelength);
-    hologram.loses_by_cone = hologram.loses_by_pixels = false;
+    hologram.losses = {false, false};
   }
   observer.fact("encoder", hologram.encoder);
   observer.fact("levels", hologram.levels);

@@ -169,7 +169,7 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   if (aims_at_targets(params.method)) {
     const auto here = field.on_processor(observer);
     Hologram found = encode_targets(targets_of(*here, params), *here, slm, params, observer);
-    found.loses_by_cone = true;  // the targets are the field's own light
+    found.losses.by_cone = true;  // the targets are the field's own light
     return found;
   }
   check_encoding(slm, params, observer);

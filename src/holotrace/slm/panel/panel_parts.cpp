@@ -66,7 +66,7 @@ void PanelModel::Parts::check(const Array2D<float>& drive, const char* what) con
 void PanelModel::Parts::check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const {
   check(drive, "drive");
   require((modulus != nullptr) == (modulation == Modulation::complex),
-          "expected an array of moduli for complex modulation only");
+          "expected levels of the modulus only for complex modulation");
   if (modulus) check(*modulus, "modulus");
 }
 

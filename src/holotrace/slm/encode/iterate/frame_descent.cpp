@@ -193,7 +193,7 @@ void FrameDescent::restore(const IterationState& state) {
   arrays_->restore(state.arrays);
   for (const Turns& turns : turns_)
     require(turns.are_sound(),
-            "expected a state of gradient descent, but its turns are damaged; remove the checkpoint");
+            "expected a state of gradient descent, but the order of its planes is damaged; remove the checkpoint");
 }
 
 }  // namespace holotrace
