@@ -172,8 +172,8 @@ void report_light_of_eyes(const Job& job, const std::vector<Hologram>& frames, c
 
 // The frames of all wavelengths, found together from the path-traced light: sets of frames for each wavelength, or one set
 // for all of them.
-std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& targets, Report& report,
-                                      const StageObserver& watch, const CheckpointOf& checkpoint_of) {
+std::vector<Hologram> frames_of_scene(const Job& job, SceneTargets targets, Report& report, const StageObserver& watch,
+                                      const CheckpointOf& checkpoint_of) {
   std::vector<std::vector<Hologram>> of_colours;
   std::vector<std::vector<double>> sets;
   for (const double wavelength : job.wavelengths) sets.push_back({wavelength});
@@ -181,9 +181,10 @@ std::vector<Hologram> frames_of_scene(const Job& job, const SceneTargets& target
   for (const std::vector<double>& set : sets) {
     const std::string stage = sets.size() == 1 ? "encode" : "encode " + format_length(set.front());
     of_colours.push_back(run_stage(stage, report, watch, [&](const Observer& o) {
-      std::vector<Hologram> frames =
-          encode_frames(targets_of(targets, job, set), set.front(), job.trace.frames, job.slm, job.encode, o,
-                        checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
+      const TargetSet aims = targets_of(targets, job, set);
+      if (&set == &sets.back()) targets.planes = {};
+      std::vector<Hologram> frames = encode_frames(aims, set.front(), job.trace.frames, job.slm, job.encode, o,
+                                                   checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
       if (aims_at_eyes(job) && frames.front().illumination > 0) report_light_of_eyes(job, frames, o);
       return frames;
     }));
@@ -241,11 +242,12 @@ ViewReference reference_of(const Job& job, const References& references, const I
 
 // The references of holograms that aim at the scene's light. The renders are the traced pictures of the targets, which have
 // most paths; through a pupil, those of the reference.
-References references_of_scene(const Job& job, const SceneTargets& targets, const Observer& observer) {
+References references_of_scene(const Job& job, SceneTargets& targets, const Observer& observer) {
   References made;
-  made.renders = targets.seen.pictures;
+  made.renders = std::move(targets.seen.pictures);
+  const bool has_pictures = !made.renders.empty() && job.camera.pupil == 0;
   for (HalvedRender& halves : trace_scene_references(job, observer)) {
-    if (targets.seen.pictures.empty() || job.camera.pupil > 0) made.renders.resize(made.means.size());
+    if (!has_pictures) made.renders.resize(made.means.size());
     if (made.renders.size() == made.means.size()) made.renders.push_back(halves.mean);
     made.means.push_back(std::move(halves.mean));
     made.first_halves.push_back(std::move(halves.first));
@@ -291,10 +293,8 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       return trace_targets(job, o);
     });
     made = stage("render", [&](const Observer& o) { return references_of_scene(job, *targets, o); });
-    b.renders = made.renders;
   } else {
     made = make_references(job, b.report, watch);
-    b.renders = made.renders;
   }
   b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
   if (!targets) light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
@@ -304,8 +304,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
 
   std::vector<Hologram> frames;
   const bool aims = targets.has_value();
-  if (aims) frames = frames_of_scene(job, *targets, b.report, watch, checkpoint_of);
-  targets.reset();  // views need its memory
+  if (aims) frames = frames_of_scene(job, *std::exchange(targets, {}), b.report, watch, checkpoint_of);
   Showing showing(job, wavelengths, b, watch);
   if (aims)
     for (Hologram& frame : frames) showing.add(std::move(frame));
@@ -315,13 +314,13 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   b.views = images_of(b.viewpoints, sums, ViewKind::distance);
   std::vector<ViewPlace> places;
   std::vector<ViewReference> references;
-  for (size_t d = 0; d < b.views.size() && !b.renders.empty(); ++d) {
+  for (size_t d = 0; d < b.views.size() && !made.renders.empty(); ++d) {
     const double distance = b.viewpoints[d].distance;
-    places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, b.renders.size() - 1),
+    places.push_back(place_of(job, sums[d], b.views[d], distance, std::min(d, made.renders.size() - 1),
                               half_tangent_of(job, distance)));
     references.push_back(reference_of(job, made, b.views[d], places[d]));
   }
-  const CommonExposure white = common_exposure(b.views, references, b.renders, job.camera.exposure);
+  const CommonExposure white = common_exposure(b.views, references, made.renders, job.camera.exposure);
   b.white = white.view_white;
   b.render_white = white.render_white;
   read_views(b.views, b.white, ViewKind::distance, job.camera);
@@ -344,6 +343,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
   report_sweep(b.viewpoints, b.sweep, showing.repeat);
+  b.renders = std::move(made.renders);
   b.sources = std::move(light.sources);
   if (b.sources.empty()) b.points = points_to_focus(job);
   return b;

@@ -62,6 +62,9 @@ class FrameArrays {
   virtual void clear_slopes() = 0;
   virtual void step(const DriveStep& step) = 0;
 
+  /// Frees what only steps need. No more of them follow.
+  virtual void end_steps() {}
+
   /// Writes the rounded levels.
   virtual void write(std::vector<Hologram>& frames) const = 0;
 

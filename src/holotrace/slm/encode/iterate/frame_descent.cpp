@@ -63,6 +63,7 @@ int FrameDescent::updates_per_round() const {
 }
 
 void FrameDescent::judge() {
+  arrays_->end_steps();
   for (const auto& colour : colours_) colour->judge();
 }
 

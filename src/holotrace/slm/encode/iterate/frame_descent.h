@@ -43,7 +43,7 @@ class FrameDescent {
   /// Number of updates after which it is finished: as many as asked for, or fewer if they gain too little.
   int last_update() const { return last_update_; }
 
-  /// Evaluates all planes for the levels of now.
+  /// Ends the updates, and evaluates all planes for the levels of now.
   void judge();
 
   void update();

@@ -71,6 +71,11 @@ void ProcessorFrames::step(const DriveStep& step) {
   }
 }
 
+void ProcessorFrames::end_steps() {
+  frames_ = {};
+  slopes_ = {};
+}
+
 void ProcessorFrames::write(std::vector<Hologram>& frames) const {
   for (size_t m = 0; m < frames.size(); ++m) {
     copy_values(rounded_[m].level, frames[m].level);
