@@ -34,6 +34,7 @@
 #include "holotrace/view/stereo.h"
 #include "interrupts.h"
 #include "load_scene.h"
+#include "rank_links.h"
 #include "run_summary.h"
 #include "say.h"
 
@@ -196,7 +197,10 @@ void add_run(Command& app, const GlobalFlags& global) {
     if (o->is_estimated) estimate = estimate_job(job);
     Console console(global.is_quiet);
     console.keep_progress_in(o->folder);
-    Boxes boxes = run(job, console.stages(), [&](size_t i) { return checkpoints.of(i); });
+    RankLinks links(*global.ranks, global.threads);
+    Boxes boxes = run(
+        job, console.stages(), [&](size_t i) { return checkpoints.of(i); }, &links);
+    global.ranks->others_work = false;
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
     const SavedRun saved = save_run(o->folder, boxes, job, console.stages(), defer_interrupts);

@@ -107,6 +107,25 @@ TEST_F(FrameRanks, MayBeMoreThanTheFrames) {
   EXPECT_TRUE(are_equal("alone", "single", 1));
 }
 
+TEST_F(FrameRanks, ShareTheFramesOfARun) {
+  const auto encoding = [&](const std::vector<std::string>& launcher, const std::string& folder) {
+    const std::vector<std::string> arguments{
+        "run",          "scene.toml",       "-o",       folder, "--method",     "sgd", "--target",   "render",
+        "--wavelength", "632.8 nm, 520 nm", "--frames", "3",    "--iterations", "4",   "--distance", "41 mm"};
+    const Outcome outcome = launcher.empty() ? work.run(arguments) : work.run_under(launcher, arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Json found = Json::array();
+    const Json report = Json::parse(work.read(folder + "/report.json"));
+    for (const Json& stage : report.at("stages"))
+      if (stage.at("stage").get<std::string>().starts_with("encode")) found.push_back(stage);
+    return found;
+  };
+  const Json alone = encoding({}, "alone"), shared = encoding(mpirun(2), "shared");
+  expect_same_loss(shared, alone);
+  ASSERT_EQ(shared.size(), 2u);
+  for (const Json& stage : shared) EXPECT_EQ(stage.at("processes"), 2);
+}
+
 // Rank 1 has no driver: it ends all ranks, with one sentence and without a file.
 TEST_F(FrameRanks, OneThatFailsEndsAllWithItsSentence) {
   if (!has_device()) GTEST_SKIP() << "no OpenCL device here";

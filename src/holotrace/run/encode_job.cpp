@@ -5,7 +5,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/run/scene_targets.h"
+#include "holotrace/run/eye_views.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
@@ -20,11 +20,25 @@ EncodeJob joined(EncodeJob job, const EncodeParams& params) {
   require(params.method == Encoding::sgd,
           "expected joint holograms (one for all wavelengths) only with the method sgd; use sgd, or leave out joint");
   for (size_t i = 1; i < job.targets.size(); ++i)
-    job.targets[0].insert(job.targets[0].end(), job.targets[i].begin(), job.targets[i].end());
+    for (TargetPlane& plane : job.targets[i].planes) job.targets[0].planes.push_back(std::move(plane));
   job.targets.resize(1);
   job.wavelengths.resize(1);
   if (!job.fields.empty()) job.fields.resize(1);
   return job;
+}
+
+void tell_light_of_eyes(const Job& job, const std::vector<Hologram>& frames, const Observer& observer) {
+  if (frames.front().illumination == 0) return;
+  std::vector<double> in_box, in_pupil, beside;
+  for (const Vec3& eye : eyes_of(job.encode)) {
+    const EyeboxLight light = light_of_eyebox(job, eye, frames);
+    in_box.push_back(light.in_box);
+    in_pupil.push_back(light.in_pupil);
+    beside.push_back(light.beside);
+  }
+  observer.curve("light_in_eyebox", in_box);
+  observer.curve("light_in_pupil", in_pupil);
+  observer.curve("light_beside_eyebox", beside);
 }
 
 }  // namespace
@@ -35,7 +49,7 @@ EncodeJob job_of_fields(std::vector<Field> fields, const EncodeParams& params) {
   if (aims_at_targets(params.method)) job.distances = params.target_distances;
   for (const Field& field : job.fields) {
     job.wavelengths.push_back(field.wavelength);
-    if (aims_at_targets(params.method)) job.targets.push_back(targets_of(field, params));
+    if (aims_at_targets(params.method)) job.targets.push_back({targets_of(field, params)});
   }
   return joined(std::move(job), params);
 }
@@ -49,8 +63,8 @@ EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
   job.distances = params.target_distances;
   for (const double wavelength : wavelengths) {
-    job.targets.push_back(targets_of_picture(seen_at(picture, {wavelength}), slm.grid, wavelength, params));
-    job.fields.push_back(field_of_target(job.targets.back().front(), slm, params, observer));
+    job.targets.push_back({targets_of_picture(seen_at(picture, {wavelength}), slm.grid, wavelength, params)});
+    job.fields.push_back(field_of_target(job.targets.back().planes.front(), slm, params, observer));
   }
   return joined(std::move(job), params);
 }
@@ -63,8 +77,24 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
   job.distances = stack.distances;
   for (const double wavelength : wavelengths)
-    job.targets.push_back(targets_of_stack(stack, slm.grid, wavelength, params.image));
+    job.targets.push_back({targets_of_stack(stack, slm.grid, wavelength, params.image)});
   return joined(std::move(job), params);
+}
+
+EncodeJob job_of_scene(const Job& job, const SceneTargets& targets) {
+  EncodeJob made{.wavelengths = {}, .targets = {}, .fields = {}};
+  std::vector<std::vector<double>> sets;
+  for (const double wavelength : job.wavelengths) sets.push_back({wavelength});
+  if (job.encode.is_joint) sets = {job.wavelengths};
+  for (const std::vector<double>& set : sets) {
+    made.wavelengths.push_back(set.front());
+    made.targets.push_back(targets_of(targets, job, set));
+  }
+  if (aims_at_eyes(job))
+    made.after_entry = [&job](const std::vector<Hologram>& frames, const Observer& o) {
+      tell_light_of_eyes(job, frames, o);
+    };
+  return made;
 }
 
 Slm panel_for(const Grid& grid, Encoding method) {
@@ -83,10 +113,15 @@ std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& sl
     const std::string stage = entries == 1 ? "encode" : "encode " + format_length(job.wavelengths[i]);
     of_entries[i] = run_stage(stage, report, watch, [&](const Observer& observer) {
       const Checkpoint kept = job.checkpoint_of ? job.checkpoint_of(i) : Checkpoint{};
+      std::vector<Hologram> found;
       if (job.fields.empty())
-        return encode_frames({job.targets[i]}, job.wavelengths[i], frames, slm, params, observer, kept, job.links);
-      if (!aims_at_targets(params.method)) return std::vector{encode(job.fields[i], slm, params, observer)};
-      return std::vector{encode_targets(job.targets[i], job.fields[i], slm, params, observer, kept)};
+        found = encode_frames(job.targets[i], job.wavelengths[i], frames, slm, params, observer, kept, job.links);
+      else if (aims_at_targets(params.method))
+        found = {encode_targets(job.targets[i].planes, job.fields[i], slm, params, observer, kept)};
+      else
+        found = {encode(job.fields[i], slm, params, observer)};
+      if (job.after_entry) job.after_entry(found, observer);
+      return found;
     });
   }
   std::vector<Hologram> holograms;

@@ -14,20 +14,23 @@
 #include "holotrace/data/report.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/stage.h"
 
 namespace holotrace {
 
-/// What holograms are made from, whatever it was: fields, a target picture or a focal stack. There is one entry for each
-/// wavelength, or with params.is_joint one for all wavelengths.
+/// What holograms are made from, whatever it was: fields, a target picture, a focal stack or the light of a scene. There is one
+/// entry for each wavelength, or with params.is_joint one for all wavelengths.
 struct EncodeJob {
-  std::vector<double> wavelengths;                      ///< wavelength of each entry, the first of a joint one [m]
-  std::vector<std::vector<TargetPlane>> targets;        ///< targets of each entry; none for methods that do not iterate
-  std::vector<Field> fields;                            ///< field at the panel of each entry; none for a focal stack
-  bool is_of_fields = false;                            ///< fields of waves, which lose light by the panel's cone
-  std::vector<double> distances{};                      ///< of the planes that it is made for [m]; none: unknown
+  std::vector<double> wavelengths;  ///< wavelength of each entry, the first of a joint one [m]
+  std::vector<TargetSet> targets;   ///< targets of each entry; none for methods that do not iterate
+  std::vector<Field> fields;        ///< field at the panel of each entry; none for stacks and scenes
+  bool is_of_fields = false;        ///< fields of waves, which lose light by the panel's cone
+  std::vector<double> distances{};  ///< of the planes that it is made for [m]; none: unknown
   std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
-  ProcessLinks* links = nullptr;  ///< to other processes that take frames of focal stacks; none: this one is alone
+  ProcessLinks* links = nullptr;  ///< to other processes that take frames of stacks and scenes; none: this one is alone
+  /// Told the frames of each entry at the end of its stage.
+  std::function<void(const std::vector<Hologram>&, const Observer&)> after_entry{};
 };
 
 /// Fields at the panel, one for each wavelength. Iterations aim at what they show (slm/encode/target.h).
@@ -45,12 +48,16 @@ EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector
 EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vector<double>& wavelengths,
                        const EncodeParams& params);
 
+/// The light of a scene (aims_at_scene). The job must outlive the result. Curves for each eye: `light_in_eyebox`, `light_in_pupil`,
+/// `light_beside_eyebox` (light_of_eyebox).
+EncodeJob job_of_scene(const Job& job, const SceneTargets& targets);
+
 /// A panel without effects that holds a field by a method, for callers that name none: 256 levels of phase, amplitude or
 /// both on the field's grid.
 Slm panel_for(const Grid& grid, Encoding method);
 
 /// The holograms of a job: for each frame, one for each entry. Stages: "encode", or "encode 532 nm" for each of several.
-/// @param frames  focal stacks: number of holograms of each entry, found together
+/// @param frames  focal stacks and scenes: number of holograms of each entry, found together
 /// @throws Error  as encode, encode_targets and encode_frames do
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
                                  Report& report, const StageObserver& watch = {});

@@ -12,6 +12,7 @@
 #include "holotrace/run/choose.h"
 #include "holotrace/run/common_exposure.h"
 #include "holotrace/run/denoised_pictures.h"
+#include "holotrace/run/encode_job.h"
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/lit_part.h"
 #include "holotrace/run/reference_metrics.h"
@@ -157,44 +158,6 @@ void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& sho
   }
 }
 
-void report_light_of_eyes(const Job& job, const std::vector<Hologram>& frames, const Observer& observer) {
-  std::vector<double> in_box, in_pupil, beside;
-  for (const Vec3& eye : eyes_of(job.encode)) {
-    const EyeboxLight light = light_of_eyebox(job, eye, frames);
-    in_box.push_back(light.in_box);
-    in_pupil.push_back(light.in_pupil);
-    beside.push_back(light.beside);
-  }
-  observer.curve("light_in_eyebox", in_box);
-  observer.curve("light_in_pupil", in_pupil);
-  observer.curve("light_beside_eyebox", beside);
-}
-
-// The frames of all wavelengths, found together from the path-traced light: sets of frames for each wavelength, or one set
-// for all of them.
-std::vector<Hologram> frames_of_scene(const Job& job, SceneTargets targets, Report& report, const StageObserver& watch,
-                                      const CheckpointOf& checkpoint_of) {
-  std::vector<std::vector<Hologram>> of_colours;
-  std::vector<std::vector<double>> sets;
-  for (const double wavelength : job.wavelengths) sets.push_back({wavelength});
-  if (job.encode.is_joint) sets = {job.wavelengths};
-  for (const std::vector<double>& set : sets) {
-    const std::string stage = sets.size() == 1 ? "encode" : "encode " + format_length(set.front());
-    of_colours.push_back(run_stage(stage, report, watch, [&](const Observer& o) {
-      const TargetSet aims = targets_of(targets, job, set);
-      if (&set == &sets.back()) targets.planes = {};
-      std::vector<Hologram> frames = encode_frames(aims, set.front(), job.trace.frames, job.slm, job.encode, o,
-                                                   checkpoint_of ? checkpoint_of(of_colours.size()) : Checkpoint{});
-      if (aims_at_eyes(job) && frames.front().illumination > 0) report_light_of_eyes(job, frames, o);
-      return frames;
-    }));
-  }
-  std::vector<Hologram> frames;
-  for (size_t frame = 0; frame < size_t(job.trace.frames); ++frame)
-    for (std::vector<Hologram>& of_colour : of_colours) frames.push_back(std::move(of_colour[frame]));
-  return frames;
-}
-
 // Half the height of the renders, as a tangent.
 double half_tangent_of(const Job& job, double distance) {
   if (aims_at_scene(job)) return job.slm.grid.height() / 2 / std::abs(distance);
@@ -268,7 +231,7 @@ std::vector<Sources> points_to_focus(const Job& job) {
 
 }  // namespace
 
-Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of) {
+Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links) {
   const Job job = choose_missing(given);
   Boxes b;
   b.report.seed = job.trace.seed;
@@ -304,7 +267,12 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
 
   std::vector<Hologram> frames;
   const bool aims = targets.has_value();
-  if (aims) frames = frames_of_scene(job, *std::exchange(targets, {}), b.report, watch, checkpoint_of);
+  if (aims) {
+    EncodeJob encoding = job_of_scene(job, *std::exchange(targets, {}));
+    encoding.checkpoint_of = checkpoint_of;
+    encoding.links = links;
+    frames = encode_job(encoding, job.trace.frames, job.slm, job.encode, b.report, watch);
+  }
   Showing showing(job, wavelengths, b, watch);
   if (aims)
     for (Hologram& frame : frames) showing.add(std::move(frame));

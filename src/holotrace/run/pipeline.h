@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "holotrace/base/process_links.h"
 #include "holotrace/data/checkpoint.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/hologram.h"
@@ -68,7 +69,9 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 ///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts of the first (waves and waves_pixels are summed), and each warning once.
+/// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
-Boxes run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {});
+Boxes run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
+          ProcessLinks* links = nullptr);
 
 }  // namespace holotrace
