@@ -3,22 +3,28 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "banded_field.h"
 #include "commands.h"
 #include "console.h"
-#include "depth_image_flags.h"
 #include "flags.h"
 #include "holotrace/base/memory.h"
+#include "holotrace/base/observer.h"
+#include "holotrace/data/field.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/field_series.h"
 #include "holotrace/io/field/sources_file.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/picture/depth_image_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/depth_image_fields.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
@@ -30,6 +36,72 @@
 
 namespace holotrace {
 namespace {
+
+/// The flags of `field` for a picture with depths.
+class DepthImageFlags {
+ public:
+  void add(Command& command);
+
+  /// Whether the input is a picture with depths.
+  /// @throws Error  for a picture without --depth, flags for pictures without a picture, more than one input, and
+  /// --double
+  bool check(const std::vector<std::string>& inputs, bool is_double) const;
+
+  /// The picture's field on the panel at each wavelength [m]; at 532 nm if none is given.
+  /// @throws Error  as load_depth_image and depth_image_fields do
+  std::vector<Field> fields(const std::string& picture, const Grid& panel, std::vector<double> wavelengths,
+                            uint32_t frame, const Flags& synthesis, const Observer& observer) const;
+
+ private:
+  std::string depth_;
+  Flags flags_;
+};
+
+constexpr const char* group =
+    "A picture with depths (RGB-D), for example: field picture.png --depth depth.png --near \"195 mm\" "
+    "--far \"205 mm\" --width \"8 mm\" --slices 100 -o f.npy";
+
+void DepthImageFlags::add(Command& command) {
+  command
+      .add_option(
+          "--depth", depth_,
+          "depth of each pixel of the picture: grey of 8 or 16 bits, from --near (white) to --far (black); or EXR in "
+          "metres")
+      ->type_name("IMAGE")
+      ->group(group);
+  flags_.add(command, DepthImageParams(), {}, group);
+}
+
+bool DepthImageFlags::check(const std::vector<std::string>& inputs, bool is_double) const {
+  if (depth_.empty()) {
+    for (const char* name :
+         {"near", "far", "depth_scale", "width", "projection", "field_of_view", "phase", "seed", "common_cone"})
+      require(!flags_.has(name),
+              "expected --depth with {}, which describes a picture with depths; give both or neither", dashed(name));
+    require(!has_image_ending(inputs.front()), "{}: expected --depth with a picture, got none; give its depth image",
+            inputs.front());
+    return false;
+  }
+  require(inputs.size() == 1, "expected one picture with --depth, got {} inputs", inputs.size());
+  require(has_image_ending(inputs.front()),
+          "{}: expected a picture (.png, .jpg, .tif, .exr) with --depth; leave out --depth", inputs.front());
+  require(extension_of(depth_) == ".exr" || (flags_.has("near") && flags_.has("far")),
+          "{}: expected --near and --far, the depths of its white and black; give both", depth_);
+  require(!is_double,
+          "expected --double with a scene or sources, which it sums wave by wave; got a picture with depths");
+  return true;
+}
+
+std::vector<Field> DepthImageFlags::fields(const std::string& picture, const Grid& panel,
+                                           std::vector<double> wavelengths, uint32_t frame, const Flags& synthesis,
+                                           const Observer& observer) const {
+  DepthImageParams params;
+  flags_.apply(params);
+  SynthesizeParams synthesize;
+  synthesis.apply(synthesize);
+  DepthImage image = load_depth_image(picture, depth_, params.near, params.far, params.scale);
+  return depth_image_fields({std::move(image), panel, std::move(wavelengths), params, synthesize, frame}, observer);
+}
 
 // --double replaces the method of a scene file, but contradicts flags of other methods.
 void check_is_for_double(const Flags& flags) {

@@ -1,24 +1,87 @@
 // holotrace view: holograms in a browser, live.
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <string>
 
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
 #include "hologram_flags.h"
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/temporary_folder.h"
 #include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/listener.h"
-#include "open_browser.h"
 #include "say.h"
 
 namespace holotrace {
 namespace {
+
+/// HTML file, readable by this user alone, that redirects a browser to a URL. Other users see the arguments of programs,
+/// and the URL holds the token of the viewer; so a browser is given the path of this file. It is removed with this object.
+class PrivateLink {
+ public:
+  /// @throws Error  if there is no place for temporary files
+  explicit PrivateLink(const std::string& url);
+
+  const std::string& path() const { return path_; }
+
+ private:
+  TemporaryFolder folder_;
+  std::string path_;
+};
+
+PrivateLink::PrivateLink(const std::string& url) : folder_("holotrace_view"), path_(folder_.path() + "/open.html") {
+  const std::string text = fmt::format(
+      "<!doctype html><meta charset=\"utf-8\"><title>Holotrace viewer</title>"
+      "<meta name=\"referrer\" content=\"no-referrer\"><meta http-equiv=\"refresh\" content=\"0; url={0}\">"
+      "<a href=\"{0}\">Holotrace viewer</a>\n",
+      url);
+  const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  const bool is_written = file >= 0 && write(file, text.data(), text.size()) == ssize_t(text.size());
+  if (file >= 0) close(file);
+  require(is_written, "expected to write {}, but it cannot be written", path_);
+}
+
+/// Opens a URL in the browser of the desktop. The browser is in a session of its own, so that Ctrl-C in this terminal
+/// does not end it.
+/// @return  the file that redirects, which must live until the browser has read it; none without a desktop or a browser
+std::unique_ptr<PrivateLink> open_browser(const std::string& url) {
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return nullptr;
+  std::unique_ptr<PrivateLink> link;
+  try {
+    link = std::make_unique<PrivateLink>(url);
+  } catch (const Error& error) {
+    say("holotrace: {}; open the address by hand\n", error.what());
+    return nullptr;
+  }
+  std::string program = "xdg-open", page = link->path();
+  char* arguments[] = {program.data(), page.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments, environ) != 0) {
+    say("holotrace: no program xdg-open; open the address by hand\n");
+    link.reset();
+  }
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  return link;
+}
 
 volatile std::sig_atomic_t is_stopped = 0;
 

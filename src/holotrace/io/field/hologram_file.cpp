@@ -2,21 +2,107 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
+#include <variant>
 #include <vector>
 
+#include "holotrace/base/array.h"
 #include "holotrace/base/error.h"
-#include "holotrace/io/field/grey_levels.h"
+#include "holotrace/data/slm.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/json_text.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/record_names.h"
+#include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
+
+// Levels as the greys of a PNG (hologram_file.h has the formula), and the text inside it. Only hologram_file.cpp uses it.
+
+/// The text of a PNG that holds the metadata of a hologram.
+constexpr const char* metadata_name = "holotrace";
+
+struct Greys {
+  int nx = 0, ny = 0, bits = 8;
+  std::string metadata;          ///< empty if the file has none
+  std::vector<uint16_t> values;  ///< [row][column]
+};
+
+// Grey values per level: the grey of level ℓ is round(ℓ·scale).
+double grey_scale(int levels, Modulation modulation, int bits) {
+  const double greys = bits == 8 ? 256 : 65536;
+  return modulation == Modulation::amplitude ? (greys - 1) / (levels - 1) : greys / levels;
+}
+
+/// The grey of a level, in 8 or 16 bits.
+uint16_t grey_of(uint16_t level, int levels, Modulation modulation, int bits) {
+  return uint16_t(std::lround(level * grey_scale(levels, modulation, bits)));
+}
+
+/// @throws Error naming the file if it is not a grey image of 8 or 16 bits, or is truncated
+Greys read_greys(const std::string& path) {
+  const std::optional<Picture> picture = read_picture(path);
+  require(picture.has_value(),
+          "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
+  require(picture->type != SampleType::floats, "{}: expected a hologram in 8 or 16 bits, got floats; write it as a PNG",
+          path);
+  const size_t count = size_t(picture->columns) * size_t(picture->rows), channels = picture->channels.size();
+  Greys greys{picture->columns, picture->rows, picture->type == SampleType::bits_8 ? 8 : 16,
+              picture->text(metadata_name), std::vector<uint16_t>(count)};
+  const auto copy = [&](const auto& values) {
+    for (size_t i = 0; i < count; ++i) {
+      const auto* pixel = values.data() + i * channels;
+      require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
+              "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(greys.nx),
+              i % size_t(greys.nx));
+      greys.values[i] = uint16_t(pixel[0]);
+    }
+  };
+  std::visit(copy, picture->samples);
+  return greys;
+}
+
+/// Writes levels as greys. @throws Error for a level that is not below `levels`, and where NewFile throws
+void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
+                 const std::string& metadata = "") {
+  const int bits = levels <= 256 ? 8 : 16;
+  std::vector<uint16_t> greys;
+  greys.reserve(levels_of_pixels.size());
+  for (uint16_t level : levels_of_pixels.values) {
+    require(level < levels, "expected levels below {} in the hologram to save as {}, got {}", levels, path, level);
+    greys.push_back(grey_of(level, levels, modulation, bits));
+  }
+  const std::vector<uint8_t> bytes(greys.begin(), greys.end());
+  PngHeader header{levels_of_pixels.nx, levels_of_pixels.ny, 1, bits, false, {}};
+  if (!metadata.empty()) header.texts[metadata_name] = metadata;
+  write_png(path, header, bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data());
+}
+
+/// The levels that greys mean.
+/// @param source  file with the number of levels, for errors
+/// @throws Error naming `path` for a grey that is no level
+Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,
+                            const std::string& source) {
+  const double scale = grey_scale(levels, modulation, greys.bits);
+  Array2D<uint16_t> out(greys.ny, greys.nx);
+  for (size_t i = 0; i < greys.values.size(); ++i) {
+    const long level = std::lround(greys.values[i] / scale);
+    require(level < levels && std::lround(double(level) * scale) == greys.values[i],
+            "{}: expected the greys of {} levels, got {} at row {}, column {}; correct \"levels\" in {} or write the "
+            "hologram again, without scaling or compression loss",
+            path, levels, greys.values[i], i / size_t(greys.nx), i % size_t(greys.nx), source);
+    out.values[i] = uint16_t(level);
+  }
+  return out;
+}
 
 void check_levels(double levels, const std::string& path) {
   require(levels == std::floor(levels) && levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}",

@@ -15,16 +15,27 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/scene/model_job.h"
-#include "holotrace/io/scene/params_toml.h"
 #include "holotrace/io/scene/scene_lights.h"
 #include "holotrace/io/scene/scene_materials.h"
 #include "holotrace/io/scene/scene_objects.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/io/scene/toml_file.h"
+#include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {
 namespace {
+
+/// Reads the table `section` of `parent`, if it is there, into a parameter set, whose `describe` in
+/// data/params/ lists every key once.
+/// @throws Error with file:line:column for values of another kind and for unknown keys
+template <class Params>
+void read_params(TomlTable& parent, const char* section, Params& params) {
+  if (auto table = parent.table(section)) {
+    describe(*table, params);
+    table->refuse_unknown_keys();
+  }
+}
 
 // Reports path expressions that cannot be read, each with its own position in the list.
 void check_path_expressions(TomlTable& root, const char* section, const std::vector<std::string>& expressions) {

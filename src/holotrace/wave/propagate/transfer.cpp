@@ -2,18 +2,92 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/array.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/wrapped.h"
-#include "holotrace/wave/propagate/kernel_transform.h"
+#include "holotrace/wave/propagate/propagation_axis.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "holotrace/wave/propagate/transfer_row.h"
 
 namespace holotrace {
 namespace {
+
+/// Positions along an axis at which a kernel is sampled, in the order of the transform, and the weights there.
+struct KernelSamples {
+  std::vector<double> place, weight;
+
+  int size() const { return int(place.size()); }
+};
+
+/// On a lattice all offsets from sample to sample. Elsewhere a period around them, tapered beyond the offsets in use.
+KernelSamples kernel_samples(const PropagationAxis& axis) {
+  KernelSamples samples;
+  if (axis.is_on_lattice()) {
+    const int least = axis.shift - (axis.inputs - 1);
+    for (int n = 0; n < axis.padded; ++n) {
+      const int step = axis.is_even ? std::min(n, axis.padded - n) : least + wrapped(n - least, axis.padded);
+      samples.place.push_back(step * axis.input_pitch + axis.rest);
+    }
+    samples.weight.assign(samples.place.size(), 1);
+    return samples;
+  }
+  const int size = axis.kernel_samples;
+  const double pitch = axis.period() / size;
+  const int least = int(std::ceil((axis.middle() - axis.period() / 2) / pitch));
+  for (int n = 0; n < size; ++n) {
+    const double x = (least + wrapped(n - least, size)) * pitch, unit = std::sqrt(2.0) * axis.edge;
+    samples.place.push_back(x);
+    samples.weight.push_back(std::erfc((x - axis.farthest() - axis.taper / 2) / unit) / 2 *
+                             std::erfc((axis.nearest() - axis.taper / 2 - x) / unit) / 2);
+  }
+  return samples;
+}
+
+/// Forward transform of kernel(x, y) over the samples of both axes. Calls store(slot, column) for each slot of x; the
+/// column holds the frequencies of y in the transform's order. A kernel that is even along an axis is sampled on half
+/// of it.
+template <class Kernel, class Store>
+void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const Kernel& kernel, const Store& store) {
+  using Complex = std::complex<double>;
+  const KernelSamples across = kernel_samples(x), down = kernel_samples(y);
+  const int nx = across.size(), ny = down.size(), slots = x.slots(), rows = y.is_even ? ny / 2 + 1 : ny;
+  const Fft<double> along_x(nx, FftDirection::forward), along_y(ny, FftDirection::forward);
+  LargeBuffer<Complex> turned(size_t(slots) * size_t(rows));  // [slot][row]
+  constexpr int group = 8;                                    // rows per group, for whole cache lines
+  parallel_for(0, (rows + group - 1) / group, [&](int64_t g) {
+    const int first = int(g) * group, count = std::min(group, rows - first);
+    AlignedVector<Complex> lines(size_t(nx) * group);
+    for (int r = 0; r < count; ++r) {
+      Complex* line = lines.data() + size_t(r) * size_t(nx);
+      const size_t j = size_t(first + r);
+      for (int i = 0; i < (x.is_even ? nx / 2 + 1 : nx); ++i)
+        line[i] = down.weight[j] * across.weight[size_t(i)] * kernel(across.place[size_t(i)], down.place[j]);
+      for (int i = 1; x.is_even && i < (nx + 1) / 2; ++i) line[nx - i] = line[i];
+      along_x(line);
+    }
+    for (int s = 0; s < slots; ++s) {
+      const int k = x.is_even ? s : x.first + s, bin = wrapped(k, nx);
+      for (int r = 0; r < count; ++r)
+        turned.data()[size_t(s) * size_t(rows) + size_t(first + r)] = lines[size_t(r) * size_t(nx) + size_t(bin)];
+    }
+  });
+  parallel_for(0, slots, [&](int64_t s) {
+    const Complex* from = turned.data() + size_t(s) * size_t(rows);
+    AlignedVector<Complex> column(from, from + rows);
+    column.resize(size_t(ny));
+    for (int j = 1; y.is_even && j < (ny + 1) / 2; ++j) column[size_t(ny - j)] = column[size_t(j)];
+    along_y(column.data());
+    store(int(s), column.data());
+  });
+}
 
 using ComplexDouble = std::complex<double>;
 
@@ -81,33 +155,6 @@ std::vector<ComplexDouble> fresnel_axis(const PropagationAxis& axis) {
   for (int k = axis.first; k <= axis.last; ++k) factor.push_back(kernel[size_t(wrapped(k, n))]);
   return factor;
 }
-
-}  // namespace
-
-KernelSamples kernel_samples(const PropagationAxis& axis) {
-  KernelSamples samples;
-  if (axis.is_on_lattice()) {
-    const int least = axis.shift - (axis.inputs - 1);
-    for (int n = 0; n < axis.padded; ++n) {
-      const int step = axis.is_even ? std::min(n, axis.padded - n) : least + wrapped(n - least, axis.padded);
-      samples.place.push_back(step * axis.input_pitch + axis.rest);
-    }
-    samples.weight.assign(samples.place.size(), 1);
-    return samples;
-  }
-  const int size = axis.kernel_samples;
-  const double pitch = axis.period() / size;
-  const int least = int(std::ceil((axis.middle() - axis.period() / 2) / pitch));
-  for (int n = 0; n < size; ++n) {
-    const double x = (least + wrapped(n - least, size)) * pitch, unit = std::sqrt(2.0) * axis.edge;
-    samples.place.push_back(x);
-    samples.weight.push_back(std::erfc((x - axis.farthest() - axis.taper / 2) / unit) / 2 *
-                             std::erfc((axis.nearest() - axis.taper / 2 - x) / unit) / 2);
-  }
-  return samples;
-}
-
-namespace {
 
 // The transfer function at one u and many v, times a factor.
 struct Column {

@@ -45,9 +45,11 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
     lit_ += colour->power() > 0;
     turns_.emplace_back(colour->turns(), params_.planes_per_update, uint64_t(params_.seed));
   }
-  const bool are_smooth =
-      std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) { return colour->has_smooth_targets(); });
-  has_single_samples_ = samples_of(samples_of_update(params_.subpixels, 0, are_smooth), 4).size() == 1;
+  // The error in a single plane falls so low that the one sample which stands for a pixel would limit it.
+  const bool is_one_enough = std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) {
+    return colour->has_smooth_targets() && colour->targets().size() != 1;
+  });
+  has_single_samples_ = samples_of(samples_of_update(params_.subpixels, 0, is_one_enough), 4).size() == 1;
   const DrivenPanel& panel = colours_.front()->panel();
   turn_ = colours_.size() == 1 ? float(panel.turn()) : 0;
   const double step = params_.step > 0 ? params_.step : sgd_step;

@@ -39,8 +39,8 @@ class Device;
 /// iteration also uses the views that it draws; half of their error, relative to their own light, is added to that of
 /// the iteration's planes. The loss leaves it out. Without planes, each iteration uses its views alone; the loss is their
 /// error, and judgements are those of targets.views. Planes use the samples on one diagonal of the
-/// pixels in one round, and on the other in the next; of smooth targets (is_smooth) a single sample in turn, in the first three
-/// quarters of the iterations.
+/// pixels in one round, and on the other in the next; of several smooth targets (is_smooth) a single sample in turn, in the
+/// first three quarters of the iterations.
 ///
 /// The step is Adam's (Kingma and Ba, 2015); its size falls to 0 over the iterations as a half cosine. With
 /// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are
