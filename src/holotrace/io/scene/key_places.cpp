@@ -5,7 +5,6 @@
 #include <map>
 
 #include "holotrace/data/params/camera.h"
-#include "holotrace/data/params/changed.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
@@ -20,10 +19,8 @@ using Places = std::multimap<std::string, std::string>;  // by key
 
 template <class Params>
 void add_keys(Places& places, const char* table) {
-  ValueLister lister;
   Params params;
-  describe(lister, params);
-  for (const auto& [key, value] : lister.values) places.emplace(key, fmt::format("below [{}]", table));
+  describe([&](const auto& key) { places.emplace(key.name, fmt::format("below [{}]", table)); }, params);
 }
 
 Places all_places() {
