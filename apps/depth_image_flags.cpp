@@ -16,7 +16,7 @@ constexpr const char* group =
 
 }  // namespace
 
-void DepthImageFlags::add(Command& command) {
+void DepthImageFlags::add(CLI::App& command) {
   command
       .add_option(
           "--depth", depth_,

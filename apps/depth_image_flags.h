@@ -12,7 +12,7 @@ namespace holotrace {
 /// The flags of `field` for a picture with depths.
 class DepthImageFlags {
  public:
-  void add(Command& command);
+  void add(CLI::App& command);
 
   /// Whether the input is a picture with depths.
   /// @throws Error  for a picture without --depth, flags for pictures without a picture, more than one input, and

@@ -44,26 +44,27 @@ double parse_size_flag(const char* flag, const std::string& text) {
   return read_flag(flag, [&] { return parse_size(text); });
 }
 
-void Flags::add_flag(Command& command, const std::string& name, const FlagText& text, const std::string& group,
+void Flags::add_flag(CLI::App& command, const std::string& name, const FlagText& text, const std::string& group,
                      const std::map<std::string, std::string>& from) {
   const std::string other = name == "distances" ? ",--distances" : "";
   const auto keep = [this, name](const std::string& given) { texts_[name] = given; };
   const auto origin = from.find(name);
   const std::string value = origin == from.end() ? text.value : origin->second + ", or " + text.value;
-  Option* option = command.add_option_function(flag_of(name) + other, keep, text.help + " [" + value + "]");
+  CLI::Option* option =
+      command.add_option_function<std::string>(flag_of(name) + other, keep, text.help + " [" + value + "]");
   option->type_name(text.kind);
   if (!group.empty()) option->group(group);
   if (const char* before = name_before(name)) add_old_name(command, name, before);
 }
 
 // The flag with its old name; the help text leaves it out. Its callback is called after that of the new one.
-void Flags::add_old_name(Command& command, const std::string& name, const std::string& before) {
+void Flags::add_old_name(CLI::App& command, const std::string& name, const std::string& before) {
   const auto keep = [this, name, before](const std::string& given) {
-    if (has(name)) fail_as_excluded(dashed(before), dashed(name));
+    if (has(name)) throw CLI::ExcludesError(dashed(before), dashed(name));
     texts_[name] = given;
     say("warning: {}\n", renamed_message(dashed(before), dashed(name)));
   };
-  command.add_option_function(dashed(before), keep)->group("");
+  command.add_option_function<std::string>(dashed(before), keep)->group("");
 }
 
 }  // namespace holotrace

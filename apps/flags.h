@@ -2,13 +2,13 @@
 
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "command.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
@@ -77,7 +77,7 @@ class Flags {
   /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
   /// @param from  origin of the defaults of some fields, for the help text: "[the hologram's, or 300 mm]"
   template <class Params>
-  void add(Command& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
+  void add(CLI::App& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
            const std::map<std::string, std::string>& from = {}) {
     const auto add = [&](const auto& parameter) {
       if (without.count(parameter.name) == 0) add_flag(command, parameter.name, flag_text(parameter), group, from);
@@ -87,7 +87,7 @@ class Flags {
 
   /// Adds a flag for each of the named fields of `defaults`.
   template <class Params>
-  void add_only(Command& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
+  void add_only(CLI::App& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
     const auto add = [&](const auto& parameter) {
       if (names.count(parameter.name) > 0) add_flag(command, parameter.name, flag_text(parameter), group);
     };
@@ -111,9 +111,9 @@ class Flags {
     const auto other = other_names_.find(field);
     return dashed(other == other_names_.end() ? field : other->second);
   }
-  void add_flag(Command& command, const std::string& name, const FlagText& text, const std::string& group,
+  void add_flag(CLI::App& command, const std::string& name, const FlagText& text, const std::string& group,
                 const std::map<std::string, std::string>& from = {});
-  void add_old_name(Command& command, const std::string& name, const std::string& before);
+  void add_old_name(CLI::App& command, const std::string& name, const std::string& before);
 
   std::map<std::string, std::string> texts_;  // of the given flags, by field
   std::map<std::string, std::string> other_names_;
