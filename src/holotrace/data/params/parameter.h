@@ -106,11 +106,11 @@ Parameter<Enum> choice(const char* name, Enum& value, std::initializer_list<std:
                        const std::string& help) {
   return {"choice", name, value, help, {}, {}, choices};
 }
-/// Where a stage computes. @param work  what the device does: "propagates the field"
+/// Where a stage computes: cpu, opencl, opencl:N or auto. @param work  what the device does: "propagates the field"
 inline Parameter<DeviceChoice> device(const char* name, DeviceChoice& value, const std::string& work) {
   return {"device", name, value, device_help(work)};
 }
-/// The same for a stage that can also run on all devices at once.
+/// The same for a stage that can also run on all devices at once: opencl:all.
 inline Parameter<DeviceChoice> devices(const char* name, DeviceChoice& value, const std::string& work) {
   return {"device", name, value,
           device_help(work, "all OpenCL devices of the same model as the first one (opencl:all); ")};
