@@ -96,11 +96,11 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
 
 }  // namespace
 
-void add_calibrate_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("calibrate", "panel file from photographs of test patterns");
+void add_calibrate_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("calibrate", "panel file from photographs of test patterns");
   command->require_subcommand(1);
 
-  Command* patterns = command->add_subcommand("patterns", "test patterns to show on the panel, and their plan");
+  CLI::App* patterns = command->add_subcommand("patterns", "test patterns to show on the panel, and their plan");
   auto p = std::make_shared<PatternOptions>();
   patterns->add_option("--slm", p->slm, "panel as it is assumed to be: preset name, or a file with [slm] [pluto]")
       ->type_name("NAME|SCENE.toml");
@@ -114,7 +114,7 @@ void add_calibrate_command(Command& app, const GlobalFlags& global) {
   p->flags.add(*patterns, TestPatternParams());
   patterns->callback([p] { write_patterns(*p); });
 
-  Command* fit = command->add_subcommand("fit", "panel that explains the photographs of the patterns best");
+  CLI::App* fit = command->add_subcommand("fit", "panel that explains the photographs of the patterns best");
   auto f = std::make_shared<FitOptions>();
   fit->add_option("plan", f->plan, "plan that `holotrace calibrate patterns` wrote")
       ->required()

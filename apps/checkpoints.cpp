@@ -33,7 +33,7 @@ class Interrupts {
 
 bool was_interrupted() { return is_interrupted != 0; }
 
-void Checkpoints::add_flag(Command& command, std::string& path) {
+void Checkpoints::add_flag(CLI::App& command, std::string& path) {
   command
       .add_option(
           "--checkpoint", path,

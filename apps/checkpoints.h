@@ -1,10 +1,10 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <set>
 #include <string>
 
-#include "command.h"
 #include "holotrace/data/checkpoint.h"
 
 namespace holotrace {
@@ -15,7 +15,7 @@ bool was_interrupted();
 /// The files of the flag --checkpoint: the state of the iterations of each hologram, or of each set of frames.
 class Checkpoints {
  public:
-  static void add_flag(Command& command, std::string& path);
+  static void add_flag(CLI::App& command, std::string& path);
 
   /// @param path  of the first file, .h5; "": none is kept
   /// @throws Error  if it cannot be written

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
-#include "command.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 
@@ -22,33 +22,33 @@ struct GlobalFlags {
 };
 
 // Each function adds its subcommands with their flags and actions.
-void add_scene_commands(Command& app, const GlobalFlags& global);  // run, render, trace
-void add_field_command(Command& app, const GlobalFlags& global);
-void add_encode_command(Command& app, const GlobalFlags& global);
-void add_show_command(Command& app, const GlobalFlags& global);
-void add_propagate_command(Command& app, const GlobalFlags& global);
-void add_compare_command(Command& app, const GlobalFlags& global);
-void add_limits_command(Command& app, const GlobalFlags& global);
-void add_info_command(Command& app, const GlobalFlags& global);
-void add_estimate_command(Command& app, const GlobalFlags& global);
-void add_calibrate_command(Command& app, const GlobalFlags& global);
-void add_bench_command(Command& app, const GlobalFlags& global);
-void add_display_command(Command& app, const GlobalFlags& global);
-void add_view_command(Command& app, const GlobalFlags& global);
+void add_scene_commands(CLI::App& app, const GlobalFlags& global);  // run, render, trace
+void add_field_command(CLI::App& app, const GlobalFlags& global);
+void add_encode_command(CLI::App& app, const GlobalFlags& global);
+void add_show_command(CLI::App& app, const GlobalFlags& global);
+void add_propagate_command(CLI::App& app, const GlobalFlags& global);
+void add_compare_command(CLI::App& app, const GlobalFlags& global);
+void add_limits_command(CLI::App& app, const GlobalFlags& global);
+void add_info_command(CLI::App& app, const GlobalFlags& global);
+void add_estimate_command(CLI::App& app, const GlobalFlags& global);
+void add_calibrate_command(CLI::App& app, const GlobalFlags& global);
+void add_bench_command(CLI::App& app, const GlobalFlags& global);
+void add_display_command(CLI::App& app, const GlobalFlags& global);
+void add_view_command(CLI::App& app, const GlobalFlags& global);
 
 /// Adds `-o`, required.
-inline void add_output(Command& command, std::string& path, const std::string& help) {
+inline void add_output(CLI::App& command, std::string& path, const std::string& help) {
   command.add_option("-o,--output", path, help)->required()->type_name("FILE");
 }
 
 /// Adds `--report`.
-inline void add_report(Command& command, std::string& path) {
+inline void add_report(CLI::App& command, std::string& path) {
   command.add_option("--report", path, "report of each stage (times, facts, warnings), as run's report.json")
       ->type_name("FILE.json");
 }
 
 /// Adds `--wavelength`.
-inline void add_wavelength(Command& command, std::string& text) {
+inline void add_wavelength(CLI::App& command, std::string& text) {
   command
       .add_option("--wavelength", text,
                   "wavelength; several for colour, for example \"638 nm, 520 nm, 450 nm\" [the input's]")

@@ -224,8 +224,8 @@ void check_flags(const CompareOptions& o, bool is_field) {
 
 }  // namespace
 
-void add_compare_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand(
+void add_compare_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand(
       "compare",
       "differences between two images, between two fields (.npy, .h5, .exr), between the views and the "
       "renders of a run, or between the views of two runs");
@@ -267,7 +267,7 @@ void add_compare_command(Command& app, const GlobalFlags& global) {
       check_flags(*o, false);
       return compare_folders(*o);
     }
-    if (o->b.empty()) fail_as_missing("B (b), or the folder of a run as A");
+    if (o->b.empty()) throw CLI::RequiredError("B (b), or the folder of a run as A");
     require(!is_folder(o->a) && !is_folder(o->b),
             "expected two files, or the folders of two runs, got a file and the folder {}; name a view in the folder",
             is_folder(o->a) ? o->a : o->b);

@@ -48,8 +48,8 @@ void sort_series(std::vector<std::string>& paths) {
 
 }  // namespace
 
-void add_display_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("display", "holograms full-screen on a monitor output, pixel for pixel");
+void add_display_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("display", "holograms full-screen on a monitor output, pixel for pixel");
   struct Options {
     std::vector<std::string> paths;
     int monitor = 1;

@@ -54,8 +54,8 @@ EncodeJob job_of_stack_file(const std::string& path, Outside outside, const Slm&
 
 }  // namespace
 
-void add_encode_command(Command& app, const GlobalFlags& global) {
-  Command* command =
+void add_encode_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command =
       app.add_subcommand("encode", "hologram (levels of an SLM) from a field, a picture or a focal stack");
   struct Options {
     std::string input, output, slm, wavelength, report, plot, checkpoint;

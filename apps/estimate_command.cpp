@@ -66,8 +66,8 @@ void print_text(const CostAnswer& a) {
 
 }  // namespace
 
-void add_estimate_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand(
+void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand(
       "estimate",
       "predicted time of a run, stage by stage, and what real-time display would need; measured by short "
       "probes");

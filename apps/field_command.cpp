@@ -40,7 +40,7 @@ namespace {
 /// The flags of `field` for a picture with depths.
 class DepthImageFlags {
  public:
-  void add(Command& command);
+  void add(CLI::App& command);
 
   /// Whether the input is a picture with depths.
   /// @throws Error  for a picture without --depth, flags for pictures without a picture, more than one input, and
@@ -61,7 +61,7 @@ constexpr const char* group =
     "A picture with depths (RGB-D), for example: field picture.png --depth depth.png --near \"195 mm\" "
     "--far \"205 mm\" --width \"8 mm\" --slices 100 -o f.npy";
 
-void DepthImageFlags::add(Command& command) {
+void DepthImageFlags::add(CLI::App& command) {
   command
       .add_option(
           "--depth", depth_,
@@ -166,7 +166,7 @@ struct PanelFlags {
   std::optional<int> columns, rows;
   std::string pitch;
 
-  void add(Command& command) {
+  void add(CLI::App& command) {
     command.add_option("--columns", columns, "width of the panel in pixels [the panel's]")->type_name("N");
     command.add_option("--rows", rows, "height of the panel in pixels [the panel's]")->type_name("N");
     command.add_option("--pitch", pitch, "pixel pitch of the panel [the panel's]")->type_name("LENGTH");
@@ -223,8 +223,8 @@ std::vector<FieldDouble> exact_fields(std::vector<Triangles> sets, uint32_t fram
 
 }  // namespace
 
-void add_field_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("field", "field on the panel from a scene, sources or a picture with depths");
+void add_field_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("field", "field on the panel from a scene, sources or a picture with depths");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, wavelengths, memory, report;
@@ -281,7 +281,7 @@ void add_field_command(Command& app, const GlobalFlags& global) {
     if (o->is_double) check_is_for_double(o->flags);
     const std::string extension = std::filesystem::path(o->inputs.front()).extension().string();
     const bool is_scene = extension == ".toml" || (is_mesh_file(o->inputs.front()) && extension != ".ply");
-    if (is_scene && o->inputs.size() > 1) fail_as_extra({o->inputs.begin() + 1, o->inputs.end()});
+    if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
     if (is_scene) job = load_scene(o->inputs.front(), global.outside());

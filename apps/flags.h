@@ -1,20 +1,18 @@
 #pragma once
 
-#include <algorithm>
-#include <charconv>
-#include <functional>
-#include <initializer_list>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "command.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/data/params/text_setter.h"
 
 namespace holotrace {
@@ -32,6 +30,41 @@ std::vector<double> parse_lengths_flag(const char* flag, const std::string& text
 double parse_angle_flag(const char* flag, const std::string& text, const Range& range);
 double parse_size_flag(const char* flag, const std::string& text);
 
+/// What the help text says of a flag: how it calls the value, what it is for, and its default.
+struct FlagText {
+  std::string kind, help, value;
+};
+
+/// The help text with the bounds, except a lower bound of 0 alone, which most parameters have.
+std::string with_bounds(const std::string& help, const Range& range, Quantity quantity);
+
+std::string format_lengths(const std::vector<double>& metres);
+
+template <class Value>
+FlagText flag_text(const Parameter<Value>& p) {
+  const std::string help = with_bounds(p.help, p.range, p.quantity);
+  if constexpr (std::is_enum_v<Value>)
+    return {fmt::format("{}", fmt::join(names_of(p.choices), "|")), help, name_of(p.value, p.choices)};
+  else if constexpr (std::is_same_v<Value, bool>)
+    return {"BOOL", help, p.value ? "true" : "false"};
+  else if constexpr (std::is_same_v<Value, DeviceChoice>)
+    return {"DEVICE", help, device_text(p.value)};
+  else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+    return {"TEXTS", help, fmt::format("{}", fmt::join(p.value, ", "))};
+  else if constexpr (std::is_same_v<Value, std::vector<double>>)
+    return {"LENGTHS", help, format_lengths(p.value)};
+  else if constexpr (std::is_same_v<Value, Vec3>)
+    return {"LENGTHS", p.help, format_lengths({p.value.x, p.value.y, p.value.z})};
+  else if (p.quantity == Quantity::length)
+    return {"LENGTH", help, format_length(p.value)};
+  else if (p.quantity == Quantity::angle)
+    return {"ANGLE", help, format_angle(p.value)};
+  else if (p.quantity == Quantity::number)
+    return {"NUMBER", help, fmt::format("{:g}", double(p.value))};
+  else
+    return {"N", help, fmt::format("{}", p.value)};
+}
+
 /// Flags made from the list of fields of a parameter struct (data/params/). They keep the text that
 /// was given, so that a flag can replace a value of a scene file that is read later.
 class Flags {
@@ -44,17 +77,21 @@ class Flags {
   /// Adds a flag per field of `defaults`, except the fields in `without`. `group` is their heading in the help text.
   /// @param from  origin of the defaults of some fields, for the help text: "[the hologram's, or 300 mm]"
   template <class Params>
-  void add(Command& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
+  void add(CLI::App& command, Params defaults, const std::set<std::string>& without = {}, const std::string& group = "",
            const std::map<std::string, std::string>& from = {}) {
-    Adder adder{command, texts_, other_names_, without, false, group, from};
-    describe(adder, defaults);
+    const auto add = [&](const auto& parameter) {
+      if (without.count(parameter.name) == 0) add_flag(command, parameter.name, flag_text(parameter), group, from);
+    };
+    describe(add, defaults);
   }
 
   /// Adds a flag for each of the named fields of `defaults`.
   template <class Params>
-  void add_only(Command& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
-    Adder adder{command, texts_, other_names_, names, true, group, {}};
-    describe(adder, defaults);
+  void add_only(CLI::App& command, Params defaults, const std::set<std::string>& names, const std::string& group = "") {
+    const auto add = [&](const auto& parameter) {
+      if (names.count(parameter.name) > 0) add_flag(command, parameter.name, flag_text(parameter), group);
+    };
+    describe(add, defaults);
   }
 
   /// Whether the flag of that field was given.
@@ -66,58 +103,19 @@ class Flags {
   /// Sets the fields whose flags were given. @throws Error for a text that is not a valid value.
   template <class Params>
   void apply(Params& params) const {
-    TextSetter setter(texts_, [this](const std::string& field) { return flag_of(field, other_names_); });
-    describe(setter, params);
+    set_from_texts(params, texts_, [this](const std::string& field) { return flag_of(field); });
   }
 
  private:
-  using Texts = std::map<std::string, std::string>;  // texts of the given flags, by field
-
-  static std::string flag_of(const std::string& field, const std::map<std::string, std::string>& other_names) {
-    const auto other = other_names.find(field);
-    return dashed(other == other_names.end() ? field : other->second);
+  std::string flag_of(const std::string& field) const {
+    const auto other = other_names_.find(field);
+    return dashed(other == other_names_.end() ? field : other->second);
   }
+  void add_flag(CLI::App& command, const std::string& name, const FlagText& text, const std::string& group,
+                const std::map<std::string, std::string>& from = {});
+  void add_old_name(CLI::App& command, const std::string& name, const std::string& before);
 
-  struct Adder {
-    Command& command;
-    Texts& given;
-    const std::map<std::string, std::string>& other_names;
-    const std::set<std::string>& names;
-    bool is_only;  // fields that are named, or all others
-    const std::string& group;
-    const std::map<std::string, std::string>& from;  // origin of a field's default
-
-    void add(const std::string& name, const std::string& help, const std::string& shown, const std::string& kind);
-    void add_old_name(const std::string& name, const std::string& before);
-    void add_count(const char* name, const std::string& shown, const Range& range, const char* help);
-    void add_choice(const char* name, const std::vector<std::string>& names_of_values, const std::string& shown,
-                    const char* help);
-
-    template <class Integer>
-    void count(const char* name, Integer& v, const Range& range, const char* help) {
-      add_count(name, std::to_string(v), range, help);
-    }
-    void number(const char* name, double& v, const Range& range, const char* help);
-    void flag(const char* name, bool& v, const char* help);
-    void length(const char* name, double& v, const Range& range, const char* help);
-    void angle(const char* name, double& v, const Range& range, const char* help);
-    void lengths(const char* name, std::vector<double>& v, const Range& range, const char* help);
-    void position(const char* name, Vec3& v, const Range& range_of_z, const char* help);
-    void texts(const char* name, std::vector<std::string>& v, const char* help);
-    void device(const char* name, DeviceChoice& v, const char* help);
-    template <class Enum>
-    void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char* help) {
-      std::vector<std::string> known;
-      std::string shown;
-      for (const auto& c : choices) {
-        known.emplace_back(c.name);
-        if (c.value == v) shown = c.name;
-      }
-      add_choice(name, known, shown, help);
-    }
-  };
-
-  Texts texts_;
+  std::map<std::string, std::string> texts_;  // of the given flags, by field
   std::map<std::string, std::string> other_names_;
 };
 

@@ -10,7 +10,7 @@
 namespace holotrace {
 
 /// Adds the flags that say what a hologram without metadata is, except the fields in `without`.
-inline void add_hologram_flags(Command& command, Flags& flags, const std::set<std::string>& without = {}) {
+inline void add_hologram_flags(CLI::App& command, Flags& flags, const std::set<std::string>& without = {}) {
   flags.add(command, HologramParams(), without, "Holograms of other programs");
 }
 

@@ -103,20 +103,19 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
     if (threads > 0)
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(threads));
   });
-  Command program(app);
-  add_scene_commands(program, global);
-  add_field_command(program, global);
-  add_encode_command(program, global);
-  add_show_command(program, global);
-  add_view_command(program, global);
-  add_display_command(program, global);
-  add_propagate_command(program, global);
-  add_compare_command(program, global);
-  add_limits_command(program, global);
-  add_info_command(program, global);
-  add_estimate_command(program, global);
-  add_calibrate_command(program, global);
-  add_bench_command(program, global);
+  add_scene_commands(app, global);
+  add_field_command(app, global);
+  add_encode_command(app, global);
+  add_show_command(app, global);
+  add_view_command(app, global);
+  add_display_command(app, global);
+  add_propagate_command(app, global);
+  add_compare_command(app, global);
+  add_limits_command(app, global);
+  add_info_command(app, global);
+  add_estimate_command(app, global);
+  add_calibrate_command(app, global);
+  add_bench_command(app, global);
 
   app.footer(
       "Environment:\n  HOLOTRACE_INSTRUCTIONS=NAME  instruction set of the kernels, instead of the best one of this "

@@ -95,8 +95,8 @@ Json describe_input(const std::string& path, const Flags& flags, Outside outside
 
 }  // namespace
 
-void add_info_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand(
+void add_info_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand(
       "info",
       "contents of any file that holotrace reads or of the folder of a run, data of a panel, or devices of this machine");
   struct Options {
@@ -118,10 +118,10 @@ void add_info_command(Command& app, const GlobalFlags& global) {
   command->add_flag("--json", o->is_json, "as JSON");
   add_hologram_flags(*command, o->flags, {"range"});  // it is the panel's
   command->callback([o, &global] {
-    if (o->has_devices && !o->path.empty()) fail_as_excluded("--devices", "a file");
-    if (o->has_devices && !o->slm.empty()) fail_as_excluded("--devices", "--slm");
+    if (o->has_devices && !o->path.empty()) throw CLI::ExcludesError("--devices", "a file");
+    if (o->has_devices && !o->slm.empty()) throw CLI::ExcludesError("--devices", "--slm");
     if (o->has_devices) return print_devices(o->is_json);
-    if (o->path.empty() && o->slm.empty()) fail_as_missing("a file or folder, --slm or --devices");
+    if (o->path.empty() && o->slm.empty()) throw CLI::RequiredError("a file or folder, --slm or --devices");
     print_facts(
         o->slm.empty() ? describe_input(o->path, o->flags, global.outside()) : describe_slm(slm_by_name(o->slm)),
         o->is_json);

@@ -30,7 +30,7 @@ struct LimitsOptions {
   bool is_json = false;
 };
 
-LimitsQuestion question_of(const LimitsOptions& o, const Command& command, const GlobalFlags& global) {
+LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command, const GlobalFlags& global) {
   LimitsQuestion q;
   q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength, range::positive);
   if (o.scene.empty()) {
@@ -66,7 +66,7 @@ void save_pictures(const std::string& path, const LimitsQuestion& q) {
   save(picture_across_y(path), AcrossPanel::y);
 }
 
-void answer_about_panel(const LimitsOptions& o, const Command& command, const GlobalFlags& global) {
+void answer_about_panel(const LimitsOptions& o, const CLI::App& command, const GlobalFlags& global) {
   const LimitsQuestion q = question_of(o, command, global);
   if (o.is_json) {
     fmt::print("{}\n", limits_json(q).dump(2));
@@ -126,7 +126,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
     fmt::print("{}", text);
 }
 
-void add_flags(Command& command, LimitsOptions& o) {
+void add_flags(CLI::App& command, LimitsOptions& o) {
   command.add_option("--slm", o.slm, "panel: preset name, or a file with [slm] [pluto]")->type_name("NAME|SCENE.toml");
   command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each [" + o.wavelength + "]")
       ->type_name("LENGTHS");
@@ -165,8 +165,8 @@ void add_flags(Command& command, LimitsOptions& o) {
 
 }  // namespace
 
-void add_limits_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("limits", "limits of a panel: angles, sizes, resolution, number of pixels");
+void add_limits_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("limits", "limits of a panel: angles, sizes, resolution, number of pixels");
   auto o = std::make_shared<LimitsOptions>();
   add_flags(*command, *o);
   command->callback([o, command, &global] {

@@ -24,8 +24,8 @@ void propagate_file(std::vector<BasicField<Real>> fields, const std::string& out
 
 }  // namespace
 
-void add_propagate_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("propagate", "field at another distance");
+void add_propagate_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("propagate", "field at another distance");
   struct Options {
     std::string input, output, distance, report;
     bool is_double = false;

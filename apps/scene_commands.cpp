@@ -41,7 +41,36 @@
 namespace holotrace {
 namespace {
 
-void add_scene(Command& command, std::string& path) {
+// Help with examples and the common flags, where --help-all has all of them.
+class ShortHelp : public CLI::Formatter {
+ public:
+  ShortHelp(const std::vector<std::string>& examples, const std::vector<std::string>& flags) : flags_(flags) {
+    for (const std::string& example : examples) examples_ += "  " + example + "\n";
+  }
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    if (mode == CLI::AppFormatMode::All) return Formatter::make_help(app, name, CLI::AppFormatMode::Normal);
+    const auto is_common = [&](const CLI::Option* option) {
+      return std::any_of(flags_.begin(), flags_.end(),
+                         [&](const std::string& flag) { return option->check_name(flag); });
+    };
+    return make_description(app) + make_usage(app, name) + "\nExamples:\n" + examples_ + make_positionals(app) +
+           make_group("Common options", false, app->get_options(is_common)) + "\n" + make_footer(app);
+  }
+
+ private:
+  std::vector<std::string> flags_;
+  std::string examples_;
+};
+
+void shorten_help(CLI::App& command, const std::vector<std::string>& examples, const std::vector<std::string>& flags) {
+  command.set_help_all_flag("--help-all", "Print all flags and exit");
+  const auto help = std::make_shared<ShortHelp>(examples, flags);
+  help->column_width(command.get_formatter()->get_column_width());
+  command.formatter(help);
+}
+
+void add_scene(CLI::App& command, std::string& path) {
   command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
       ->required()
       ->type_name("SCENE.toml|MESH");
@@ -52,7 +81,7 @@ struct ModelFlags {
   std::string slm;
   Flags flags{};
 
-  void add(Command& command) {
+  void add(CLI::App& command) {
     command
         .add_option(
             "--slm", slm,
@@ -123,8 +152,8 @@ void aim_at_eye_of_camera(Job& job) {
   if (may_aim && encode.eye.empty() && eye.z > 0) job.encode.eye = {eye.x, eye.y, eye.z};
 }
 
-void add_run(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
+void add_run(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
     std::string scene, folder, wavelengths, eye_separation, checkpoint;
     std::optional<int64_t> seed;
@@ -162,10 +191,11 @@ void add_run(Command& app, const GlobalFlags& global) {
   o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
   o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
   o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
-  command->shorten_help({"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
-                         "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
-                        {"--output", "--slm", "--wavelength", "--quality", "--method", "--target", "--frames",
-                         "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
+  shorten_help(*command,
+               {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
+                "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
+               {"--output", "--slm", "--wavelength", "--quality", "--method", "--target", "--frames", "--distance",
+                "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
   command->callback([o, &global] {
     Job job = load_job(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.camera);
@@ -234,8 +264,8 @@ void save_stack(const Job& job, const std::string& output, Console& console, boo
                stack.pictures.size(), stack.grid.nx, stack.grid.ny, traced.count(), (all - traced).count());
 }
 
-void add_render(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
+void add_render(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
     std::string scene, output, report;
     ModelFlags model;
@@ -287,8 +317,8 @@ void add_render(Command& app, const GlobalFlags& global) {
   });
 }
 
-void add_trace(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("trace", "sources from a scene: waves that carry path-traced light");
+void add_trace(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("trace", "sources from a scene: waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths, report;
     ModelFlags model;
@@ -321,7 +351,7 @@ void add_trace(Command& app, const GlobalFlags& global) {
 
 }  // namespace
 
-void add_scene_commands(Command& app, const GlobalFlags& global) {
+void add_scene_commands(CLI::App& app, const GlobalFlags& global) {
   add_run(app, global);
   add_render(app, global);
   add_trace(app, global);

@@ -79,8 +79,8 @@ void note_outputs(const std::string& output, const std::vector<Viewpoint>& from)
 
 }  // namespace
 
-void add_show_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
+void add_show_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
   struct Options {
     std::vector<std::string> inputs;
     std::string output, slm, report, eye_separation;

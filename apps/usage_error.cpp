@@ -97,7 +97,7 @@ std::string missing(const CLI::App* command, const std::string& message) {
     if (option->get_required() && option->count() == 0) return fmt::format("expected {}, got none", value_of(option));
   const std::vector<std::string> names = subcommands_of(command);
   if (!names.empty()) return fmt::format("expected a command, got none; known: {}", fmt::join(names, ", "));
-  const std::string what = message.substr(0, message.rfind(" is required"));  // by fail_as_missing
+  const std::string what = message.substr(0, message.rfind(" is required"));  // of a command that checks it itself
   return fmt::format("expected {}, got none", what);
 }
 

@@ -113,8 +113,8 @@ void check_port(int port) { check_flag("--port", port, range::from_to(0, 65535),
 
 }  // namespace
 
-void add_view_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand("view", "page in the browser that shows holograms live: focus, eye, effects");
+void add_view_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand("view", "page in the browser that shows holograms live: focus, eye, effects");
   struct Options {
     std::vector<std::string> paths;
     std::string slm, address = "127.0.0.1", idle = "30 min";

@@ -193,8 +193,8 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
 
 }  // namespace
 
-void add_bench_command(Command& app, const GlobalFlags& global) {
-  Command* command = app.add_subcommand(
+void add_bench_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand(
       "bench",
       "peak rates of this machine and the fraction of them that each stage reaches (medians, ratios in one "
       "run)");

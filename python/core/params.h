@@ -1,178 +1,104 @@
 #pragma once
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 #include "values.h"
 
 // Parameters of a stage as keyword arguments, made from the list of the stage in data/params/.
 
 namespace holotrace::python {
 
-/// A visitor of `describe` that sets parameters from keyword arguments. None leaves a parameter as it is.
-class ParamSetter {
- public:
-  explicit ParamSetter(const nb::dict& given) : given_(given) {}
-
-  template <class Integer>
-  void count(const char* name, Integer& value, const Range& range, const char*) {
-    with(name, [&](nb::handle given) {
-      const int64_t whole = to_count(given, name);
-      check_named(double(whole), range, Quantity::count, name);
-      require(whole <= int64_t(std::numeric_limits<Integer>::max()), "expected at most {} for \"{}\", got {}",
-              std::numeric_limits<Integer>::max(), name, whole);
-      value = Integer(whole);
-    });
+/// Sets a parameter from a value of Python. @throws Error for an invalid one, naming the parameter
+template <class Value>
+void set_param(const Parameter<Value>& p, nb::handle given) {
+  if constexpr (std::is_enum_v<Value>) {
+    p.value = value_named(to_text(given, p.name), p);
+  } else if constexpr (std::is_same_v<Value, bool>) {
+    p.value = to_flag(given, p.name);
+  } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
+    p.value = to_texts(given, p.name);
+  } else if constexpr (std::is_same_v<Value, DeviceChoice>) {
+    p.value = parse_device(to_text(given, p.name));
+  } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
+    p.value = to_lengths(given, p.name);
+    for (const double one : p.value) check_named(one, p.range, p.quantity, p.name);
+  } else if constexpr (std::is_same_v<Value, Vec3>) {
+    p.value = to_position(given, p.name);
+    check_range(p.value.z, p.range, p.quantity, fmt::format(" for z of \"{}\"", p.name));
+  } else if constexpr (std::is_same_v<Value, double>) {
+    const double number = p.quantity == Quantity::length  ? to_length(given, p.name)
+                          : p.quantity == Quantity::angle ? to_angle(given, p.name)
+                                                          : to_number(given, p.name);
+    check_named(number, p.range, p.quantity, p.name);
+    p.value = number;
+  } else {
+    const int64_t whole = to_count(given, p.name);
+    check_named(double(whole), p.range, p.quantity, p.name);
+    const Value most = std::numeric_limits<Value>::max();
+    require(whole <= int64_t(most), "expected at most {} for \"{}\", got {}", most, p.name, whole);
+    p.value = Value(whole);
   }
-  void number(const char* name, double& value, const Range& range, const char*) {
-    with(name, [&](nb::handle given) { set(name, value, to_number(given, name), range, Quantity::number); });
-  }
-  void length(const char* name, double& value, const Range& range, const char*) {
-    with(name, [&](nb::handle given) { set(name, value, to_length(given, name), range, Quantity::length); });
-  }
-  void angle(const char* name, double& value, const Range& range, const char*) {
-    with(name, [&](nb::handle given) { set(name, value, to_angle(given, name), range, Quantity::angle); });
-  }
-  void lengths(const char* name, std::vector<double>& value, const Range& range, const char*) {
-    with(name, [&](nb::handle given) {
-      value = to_lengths(given, name);
-      for (const double one : value) check_named(one, range, Quantity::length, name);
-    });
-  }
-  void position(const char* name, Vec3& value, const Range& range_of_z, const char*) {
-    with(name, [&](nb::handle given) {
-      value = to_position(given, name);
-      check_range(value.z, range_of_z, Quantity::length, fmt::format(" for z of \"{}\"", name));
-    });
-  }
-  void flag(const char* name, bool& value, const char*) {
-    with(name, [&](nb::handle given) { value = to_flag(given, name); });
-  }
-  void texts(const char* name, std::vector<std::string>& value, const char*) {
-    with(name, [&](nb::handle given) { value = to_texts(given, name); });
-  }
-  void device(const char* name, DeviceChoice& value, const char*) {
-    with(name, [&](nb::handle given) { value = parse_device(to_text(given, name)); });
-  }
-  template <class Enum>
-  void choice(const char* name, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,
-              const char*) {
-    with(name, [&](nb::handle given) {
-      const std::string text = to_text(given, name);
-      std::vector<std::string> names;
-      for (const auto& choice : choices) {
-        if (text == choice.name) {
-          value = choice.value;
-          return;
-        }
-        names.emplace_back(choice.name);
-      }
-      throw Error(unknown_name_message(name, text, names));
-    });
-  }
-
-  /// @throws Error for the first keyword that no parameter has, naming the nearest
-  void refuse_unknown() const {
-    for (const auto& [key, value] : given_) {
-      const std::string name = nb::cast<std::string>(key);
-      if (std::find(known_.begin(), known_.end(), name) == known_.end())
-        throw Error(unknown_name_message("parameter", name, known_));
-    }
-  }
-
- private:
-  static void set(const char* name, double& value, double to, const Range& range, Quantity quantity) {
-    check_named(to, range, quantity, name);
-    value = to;
-  }
-  template <class Set>
-  void with(const char* name, const Set& set) {
-    known_.emplace_back(name);
-    if (given_.contains(name) && !given_[name].is_none()) set(given_[name]);
-  }
-
-  const nb::dict& given_;
-  std::vector<std::string> known_;
-};
-
-/// Sets the parameters that are given. @throws Error for unknown names and invalid values, naming the parameter
-template <class Params>
-void set_params(const nb::dict& given, Params& params) {
-  ParamSetter setter(given);
-  describe(setter, params);
-  setter.refuse_unknown();
 }
 
-/// A visitor of `describe` that lists name, kind, value, bounds and help text of each parameter.
-struct ParamLister {
-  nb::list list{};
+/// Sets the parameters that are given as keyword arguments. None leaves a parameter as it is.
+/// @throws Error for unknown names, naming the nearest, and for invalid values, naming the parameter
+template <class Params>
+void set_params(const nb::dict& given, Params& params) {
+  std::vector<std::string> known;
+  const auto set = [&](const auto& parameter) {
+    known.emplace_back(parameter.name);
+    if (given.contains(parameter.name) && !given[parameter.name].is_none()) set_param(parameter, given[parameter.name]);
+  };
+  describe(set, params);
+  for (const auto& [key, value] : given) {
+    const std::string name = nb::cast<std::string>(key);
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw Error(unknown_name_message("parameter", name, known));
+  }
+}
 
-  void add(const char* name, const char* kind, nb::object value, const std::string& bounds, const char* help,
-           nb::list choices = {}) {
-    nb::dict one;
-    one["name"] = name;
-    one["kind"] = kind;
-    one["value"] = std::move(value);
-    one["bounds"] = bounds;
-    one["help"] = help;
-    one["choices"] = std::move(choices);
-    list.append(one);
-  }
-  template <class Integer>
-  void count(const char* name, Integer& v, const Range& range, const char* help) {
-    add(name, "count", nb::cast(int64_t(v)), bounds_text(range, Quantity::count), help);
-  }
-  void number(const char* name, double& v, const Range& range, const char* help) {
-    add(name, "number", nb::cast(v), bounds_text(range, Quantity::number), help);
-  }
-  void length(const char* name, double& v, const Range& range, const char* help) {
-    add(name, "length", nb::cast(v), bounds_text(range, Quantity::length), help);
-  }
-  void angle(const char* name, double& v, const Range& range, const char* help) {
-    add(name, "angle", nb::cast(v), bounds_text(range, Quantity::angle), help);
-  }
-  void lengths(const char* name, std::vector<double>& v, const Range& range, const char* help) {
-    nb::list values;
-    for (const double one : v) values.append(one);
-    add(name, "lengths", nb::tuple(values), bounds_text(range, Quantity::length), help);
-  }
-  void position(const char* name, Vec3& v, const Range&, const char* help) {
-    add(name, "position", nb::make_tuple(v.x, v.y, v.z), "", help);
-  }
-  void flag(const char* name, bool& v, const char* help) { add(name, "flag", nb::bool_(v), "", help); }
-  void texts(const char* name, std::vector<std::string>& v, const char* help) {
-    nb::list values;
-    for (const std::string& one : v) values.append(nb::str(one.c_str()));
-    add(name, "texts", nb::tuple(values), "", help);
-  }
-  void device(const char* name, DeviceChoice& v, const char* help) {
-    add(name, "device", nb::str(device_text(v).c_str()), "", help);
-  }
-  template <class Enum>
-  void choice(const char* name, Enum& v, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,
-              const char* help) {
-    nb::list names;
-    nb::object value = nb::none();
-    for (const auto& choice : choices) {
-      names.append(choice.name);
-      if (choice.value == v) value = nb::str(choice.name);
-    }
-    add(name, "choice", std::move(value), "", help, names);
-  }
-};
+/// The value of a parameter for Python.
+template <class Value>
+nb::object param_value(const Parameter<Value>& p) {
+  if constexpr (std::is_enum_v<Value>)
+    return nb::str(name_of(p.value, p.choices));
+  else if constexpr (std::is_same_v<Value, DeviceChoice>)
+    return nb::str(device_text(p.value).c_str());
+  else if constexpr (std::is_same_v<Value, Vec3>)
+    return nb::make_tuple(p.value.x, p.value.y, p.value.z);
+  else if constexpr (std::is_same_v<Value, std::vector<double>> || std::is_same_v<Value, std::vector<std::string>>)
+    return nb::tuple(nb::cast(p.value));
+  else
+    return nb::cast(p.value);
+}
 
+/// Name, kind, value, bounds, help text and choices of each parameter.
 template <class Params>
 nb::list list_params(Params params) {
-  ParamLister lister;
-  describe(lister, params);
-  return lister.list;
+  nb::list list;
+  const auto add = [&](const auto& parameter) {
+    const bool is_position = std::string(parameter.kind) == "position";
+    nb::dict one;
+    one["name"] = parameter.name;
+    one["kind"] = parameter.kind;
+    one["value"] = param_value(parameter);
+    one["bounds"] = is_position ? "" : bounds_text(parameter.range, parameter.quantity);
+    one["help"] = parameter.help;
+    one["choices"] = nb::cast(names_of(parameter.choices));
+    list.append(one);
+  };
+  describe(add, params);
+  return list;
 }
 
 }  // namespace holotrace::python

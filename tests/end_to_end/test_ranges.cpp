@@ -23,8 +23,7 @@ void expect_bounds() {
   for (const test::Try& t : tries) {
     CLI::App app;
     Flags flags;
-    Command command(app);
-    flags.add(command, Params());
+    flags.add(app, Params());
     const std::string argument = dashed(t.key) + "=" + t.text;
     std::vector<std::string> arguments{argument};
     app.parse(arguments);

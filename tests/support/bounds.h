@@ -7,7 +7,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 namespace holotrace::test {
 
@@ -24,24 +24,14 @@ struct Try {
 struct Bounds {
   std::vector<Try> tries;
 
-  template <class Integer>
-  void count(const char* key, Integer&, const Range& range, const char*) {
-    add(key, range, "", "", 1);
+  template <class Value>
+  void operator()(const Parameter<Value>& p) {
+    const bool is_count = std::is_integral_v<Value>;
+    const char* unit = p.quantity == Quantity::length ? " m" : p.quantity == Quantity::angle ? " rad" : "";
+    if constexpr (is_number<Value>) add(p.name, p.range, "", unit, is_count ? 1 : 1e-9);
+    if constexpr (std::is_same_v<Value, std::vector<double>>) add(p.name, p.range, "1 ", unit, 1e-9);
+    if constexpr (std::is_same_v<Value, Vec3>) add(p.name, p.range, "-1 -1 ", unit, 1e-9);
   }
-  void number(const char* key, double&, const Range& range, const char*) { add(key, range, "", "", 1e-9); }
-  void length(const char* key, double&, const Range& range, const char*) { add(key, range, "", " m", 1e-9); }
-  void lengths(const char* key, std::vector<double>&, const Range& range, const char*) {
-    add(key, range, "1 ", " m", 1e-9);
-  }
-  void angle(const char* key, double&, const Range& range, const char*) { add(key, range, "", " rad", 1e-9); }
-  void position(const char* key, Vec3&, const Range& range_of_z, const char*) {
-    add(key, range_of_z, "-1 -1 ", " m", 1e-9);
-  }
-  void flag(const char*, bool&, const char*) {}
-  void texts(const char*, std::vector<std::string>&, const char*) {}
-  void device(const char*, DeviceChoice&, const char*) {}
-  template <class Enum>
-  void choice(const char*, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {}
 
  private:
   void add(const std::string& key, const Range& range, const std::string& before, const std::string& after,

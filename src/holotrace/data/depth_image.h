@@ -33,27 +33,28 @@ struct DepthImageParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, DepthImageParams& p) {
-  v.length(
+void describe(Visitor&& v, DepthImageParams& p) {
+  v(length(
       "near", p.near, range::any,
       "depth of white in the depth image, behind the panel; below 0: in front of it; larger than that of black if black is "
-      "nearer; not for EXR files, whose values are metres");
-  v.length("far", p.far, range::any, "depth of black in the depth image, behind the panel; below 0: in front of it");
-  v.choice("depth_scale", p.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}},
+      "nearer; not for EXR files, whose values are metres"));
+  v(length("far", p.far, range::any, "depth of black in the depth image, behind the panel; below 0: in front of it"));
+  v(choice("depth_scale", p.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}},
            "quantity in equal steps of grey between white and black: the depth, or its inverse (disparity), as stereo "
-           "cameras and many depth estimators give it");
-  v.length("width", p.width, range::not_negative, "orthographic: width of the picture; 0 m: the panel's");
-  v.choice("projection", p.projection,
+           "cameras and many depth estimators give it"));
+  v(length("width", p.width, range::not_negative, "orthographic: width of the picture; 0 m: the panel's"));
+  v(choice("projection", p.projection,
            {{"orthographic", Projection::orthographic}, {"perspective", Projection::perspective}},
-           "projection of the picture: the same width at every depth, or perspective from the panel's centre");
-  v.angle("field_of_view", p.field_of_view, range::half_angle,
-          "perspective: half angle over the width; 0 deg: the panel's acceptance asin(lambda/2p)");
-  v.choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
+           "projection of the picture: the same width at every depth, or perspective from the panel's centre"));
+  v(angle("field_of_view", p.field_of_view, range::half_angle,
+          "perspective: half angle over the width; 0 deg: the panel's acceptance asin(lambda/2p)"));
+  v(choice("phase", p.phase, {{"random", SourcePhase::random}, {"constant", SourcePhase::constant}},
            "phase of the light: random (scatters everywhere, with speckle) or constant (0: smooth, sent "
-           "straight ahead)");
-  v.count("seed", p.seed, range::not_negative, "seed for random phases");
-  v.flag("common_cone", p.has_common_cone,
-         "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own");
+           "straight ahead)"));
+  v(count("seed", p.seed, range::not_negative, "seed for random phases"));
+  v(flag(
+      "common_cone", p.has_common_cone,
+      "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own"));
 }
 
 /// Takes as empty (depth 0) what can show no light: pixels whose depth is not finite or 10 km or more, and dark pixels behind all that have

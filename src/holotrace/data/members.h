@@ -205,37 +205,7 @@ template <class Archive>
 struct ParamMembers {
   Archive& archive;
 
-  template <class Value, class... Rest>
-  void count(const char*, Value& value, const Rest&...) {
-    archive(value);
-  }
-  template <class... Rest>
-  void number(const char*, double& value, const Rest&...) {
-    archive(value);
-  }
-  template <class... Rest>
-  void length(const char*, double& value, const Rest&...) {
-    archive(value);
-  }
-  template <class... Rest>
-  void angle(const char*, double& value, const Rest&...) {
-    archive(value);
-  }
-  template <class... Rest>
-  void lengths(const char*, std::vector<double>& value, const Rest&...) {
-    archive(value);
-  }
-  template <class... Rest>
-  void position(const char*, Vec3& value, const Rest&...) {
-    archive(value);
-  }
-  void flag(const char*, bool& value, const char*) { archive(value); }
-  void texts(const char*, std::vector<std::string>& value, const char*) { archive(value); }
-  void device(const char*, DeviceChoice& value, const char*) { archive(value.kind, value.number); }
-  template <class Enum>
-  void choice(const char*, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>>, const char*) {
-    archive(value);
-  }
+  void operator()(const auto& parameter) { archive(parameter.value); }
 };
 
 /// The parameters of a stage, which `describe` lists.

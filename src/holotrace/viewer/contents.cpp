@@ -47,10 +47,8 @@ Observer watch_stage(const ContentsParams& params, const char* stage) {
 std::string dashed(const std::string& field) { return "--" + field; }
 
 ViewedItem item_of_hologram(const std::string& path, const ContentsParams& params) {
-  PanelHologram of_file = load_panel_hologram(path, params.slm, [&](HologramParams& of_hologram) {
-    TextSetter setter(params.hologram, dashed);
-    describe(setter, of_hologram);
-  });
+  PanelHologram of_file = load_panel_hologram(
+      path, params.slm, [&](HologramParams& of_hologram) { set_from_texts(of_hologram, params.hologram, dashed); });
   return {path, std::move(of_file.hologram), std::move(of_file.slm), {}};
 }
 

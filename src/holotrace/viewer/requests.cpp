@@ -48,53 +48,15 @@ std::string flag_of(const std::string& field) {
   return name;
 }
 
-// A visitor of `describe` that lists the fields by their flags.
-struct Names {
-  std::map<std::string, std::string>& fields;
-
-  void add(const char* name) {
-    if (left_out.count(name) == 0) fields[flag_of(name)] = name;
-  }
-  template <class Value>
-  void count(const char* name, Value&, const Range&, const char*) {
-    add(name);
-  }
-  template <class Value>
-  void number(const char* name, Value&, const Range&, const char*) {
-    add(name);
-  }
-  template <class Value>
-  void length(const char* name, Value&, const Range&, const char*) {
-    add(name);
-  }
-  template <class Value>
-  void lengths(const char* name, Value&, const Range&, const char*) {
-    add(name);
-  }
-  template <class Value>
-  void angle(const char* name, Value&, const Range&, const char*) {
-    add(name);
-  }
-  template <class Value>
-  void position(const char* name, Value&, const Range&, const char*) {
-    add(name);
-  }
-  void flag(const char* name, bool&, const char*) { add(name); }
-  void texts(const char* name, std::vector<std::string>&, const char*) { add(name); }
-  void device(const char* name, DeviceChoice&, const char*) { add(name); }
-  template <class Enum>
-  void choice(const char* name, Enum&, std::initializer_list<Choice<Enum>>, const char*) {
-    add(name);
-  }
-};
-
-// Fields of parameter sets by their keys.
+// Fields of parameter sets by their flags.
 template <class... Params>
 std::map<std::string, std::string> fields_of(Params... params) {
-  std::map<std::string, std::string> found;
-  Names names{found};
-  (describe(names, params), ...);
-  return found;
+  std::map<std::string, std::string> fields;
+  const auto add = [&](const auto& parameter) {
+    if (left_out.count(parameter.name) == 0) fields[flag_of(parameter.name)] = parameter.name;
+  };
+  (describe(add, params), ...);
+  return fields;
 }
 
 // The fields that a query can set.
@@ -158,9 +120,8 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
       throw Error(unknown_name_message("key", printable(key, 80), known));
     }
   }
-  TextSetter setter(texts, flag_of);
-  describe(setter, state.show);
-  describe(setter, state.camera);
+  set_from_texts(state.show, texts, flag_of);
+  set_from_texts(state.camera, texts, flag_of);
   require(state.camera.distances.size() == 1, "expected one distance, got {}", state.camera.distances.size());
   require(state.show.subpixels <= most_subpixels, "expected at most {} subpixels here, got {}; use holotrace show",
           most_subpixels, state.show.subpixels);

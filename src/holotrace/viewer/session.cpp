@@ -8,6 +8,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
+#include "holotrace/data/params/changed.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/run/illumination_plan.h"
@@ -18,7 +19,6 @@
 #include "holotrace/view/compare.h"
 #include "holotrace/view/pupil_light.h"
 #include "holotrace/view/render_at.h"
-#include "holotrace/viewer/fingerprint.h"
 #include "holotrace/viewer/json_text.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 
@@ -28,9 +28,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string key_of(const ViewState& state) {
-  std::string key = values_text(state.show) + values_text(state.camera) + values_text(state.propagation);
-  for (const size_t item : state.shown) key += fmt::format("{},", item);
-  return key;
+  return fmt::format("{} {} {} {}", value_texts(state.show), value_texts(state.camera), value_texts(state.propagation),
+                     state.shown);
 }
 
 // The settings with which a draft is quick: no integral over the pixels, which needs several samples in each.
@@ -215,7 +214,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
       for (const IlluminationState& at : states) {
         if (is_outdated && is_outdated()) return std::nullopt;
         const std::string source = fmt::format("{};{:a};{:a};{:a};{:a};{}", i, at.wavelength, at.tilt_x, at.tilt_y,
-                                               at.flicker, values_text(show));
+                                               at.flicker, value_texts(show));
         std::shared_ptr<const Field> computed;
         if (!item.field)
           computed = light_.get("shown " + source, observer, [&](const Observer& o) {

@@ -29,43 +29,20 @@ TEST_F(SceneFormat, ItsExampleLoads) {
   EXPECT_EQ(job.encode.image, ImageSide::real_image);
 }
 
-// A visitor that searches for each key in its section.
-struct KeysInText {
-  const std::string& section;
-  std::vector<std::string> missing;
-
-  void look(const char* key) {
-    if (section.find(fmt::format("`{}`", key)) == std::string::npos) missing.push_back(key);
-  }
-  template <class T>
-  void count(const char* key, T&, const Range&, const char*) {
-    look(key);
-  }
-  void number(const char* key, double&, const Range&, const char*) { look(key); }
-  void flag(const char* key, bool&, const char*) { look(key); }
-  void length(const char* key, double&, const Range&, const char*) { look(key); }
-  void lengths(const char* key, std::vector<double>&, const Range&, const char*) { look(key); }
-  void angle(const char* key, double&, const Range&, const char*) { look(key); }
-  void position(const char* key, Vec3&, const Range&, const char*) { look(key); }
-  void texts(const char* key, std::vector<std::string>&, const char*) { look(key); }
-  void device(const char* key, DeviceChoice&, const char*) { look(key); }
-  template <class Enum>
-  void choice(const char* key, Enum&, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices, const char*) {
-    look(key);
-    for (const Choice<Enum>& choice : choices)
-      if (section.find(choice.name) == std::string::npos) missing.push_back(choice.name);
-  }
-};
-
 template <class Params>
 std::vector<std::string> undocumented(const std::string& text, const std::string& name) {
   const size_t begin = text.find("### `[" + name + "]`");
   if (begin == std::string::npos) return {"the section [" + name + "]"};
   const std::string section = text.substr(begin, text.find("\n###", begin + 3) - begin);
-  KeysInText visitor{section, {}};
+  std::vector<std::string> missing;
+  const auto look = [&](const auto& parameter) {
+    if (section.find(fmt::format("`{}`", parameter.name)) == std::string::npos) missing.push_back(parameter.name);
+    for (const std::string& name : names_of(parameter.choices))
+      if (section.find(name) == std::string::npos) missing.push_back(name);
+  };
   Params params;
-  describe(visitor, params);
-  return visitor.missing;
+  describe(look, params);
+  return missing;
 }
 
 TEST_F(SceneFormat, EveryParameterOfEveryStageIsThere) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 // expose: Field → Image
 
@@ -40,41 +40,42 @@ struct CameraParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, CameraParams& p) {
-  v.lengths(
+void describe(Visitor&& v, CameraParams& p) {
+  v(lengths(
       "distances", p.distances, range::any,
-      "distances from the panel to the planes in focus; negative: on the other side, in front of it for a virtual image");
-  v.length("pupil", p.pupil, range::not_negative,
-           "diameter of the pupil of the eye or lens; 0 m: all light that leaves the panel is used");
-  v.position("eye", p.eye, range::not_negative,
-             "position of that pupil, on the panel or in front of it (z of 0 m or more)");
-  v.length(
+      "distances from the panel to the planes in focus; negative: on the other side, in front of it for a virtual image"));
+  v(length("pupil", p.pupil, range::not_negative,
+           "diameter of the pupil of the eye or lens; 0 m: all light that leaves the panel is used"));
+  v(position("eye", p.eye, range::not_negative,
+             "position of that pupil, on the panel or in front of it (z of 0 m or more)"));
+  v(length(
       "focal_length", p.focal_length, range::not_negative,
-      "focal length of a thin lens in the pupil; width, height and pixel are then those of its sensor; 0 m: no lens");
-  v.length("width", p.width, range::not_negative, "width of the sensor; 0 m: the panel's");
-  v.length("height", p.height, range::not_negative, "height of the sensor; 0 m: the panel's");
-  v.length("centre_x", p.centre_x, range::any, "x of the sensor's centre");
-  v.length("centre_y", p.centre_y, range::any, "y of the sensor's centre");
-  v.length("pixel", p.pixel, range::not_negative, "side of a sensor pixel; 0 m: set by binning");
-  v.count("binning", p.binning, range::not_negative,
-          "field samples per sensor pixel and axis; 0: those of one panel pixel, or as many as pixel needs");
-  v.choice(
+      "focal length of a thin lens in the pupil; width, height and pixel are then those of its sensor; 0 m: no lens"));
+  v(length("width", p.width, range::not_negative, "width of the sensor; 0 m: the panel's"));
+  v(length("height", p.height, range::not_negative, "height of the sensor; 0 m: the panel's"));
+  v(length("centre_x", p.centre_x, range::any, "x of the sensor's centre"));
+  v(length("centre_y", p.centre_y, range::any, "y of the sensor's centre"));
+  v(length("pixel", p.pixel, range::not_negative, "side of a sensor pixel; 0 m: set by binning"));
+  v(count("binning", p.binning, range::not_negative,
+          "field samples per sensor pixel and axis; 0: those of one panel pixel, or as many as pixel needs"));
+  v(choice(
       "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
-      "what a sensor pixel reads: the irradiance over its whole area (integrate), or at its field samples only (point)");
-  v.number("exposure", p.exposure, range::not_negative,
-           "irradiance shown as white in W/m2; 0: automatic, with white surfaces at 0.8 of white");
-  v.count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "bits per channel of a PNG");
-  v.number("electrons", p.electrons, range::from_to(0, 1e12),
-           "full-well capacity in electrons; adds shot noise; 0: no shot noise");
-  v.number("read_noise", p.read_noise, range::not_negative, "read noise per pixel, rms, in electrons; needs electrons");
-  v.count("noise_seed", p.noise_seed, range::not_negative, "seed for the sensor's noise");
-  v.choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
-           "series of views with its animation: through planes of focus, or with the eye moving along x (parallax)");
-  v.count("sweep_views", p.sweep_views, range::from_to(2, 10000), "number of views of the series");
-  v.length("sweep_from", p.sweep_from, range::any, "first distance (focus) or first x of the eye (parallax)");
-  v.length("sweep_to", p.sweep_to, range::any, "last distance (focus) or last x of the eye (parallax)");
-  v.number("sweep_seconds", p.sweep_seconds, range::above_to(0, 3600),
-           "duration of the animation in seconds, forward and back");
+      "what a sensor pixel reads: the irradiance over its whole area (integrate), or at its field samples only (point)"));
+  v(number("exposure", p.exposure, range::not_negative,
+           "irradiance shown as white in W/m2; 0: automatic, with white surfaces at 0.8 of white"));
+  v(count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "bits per channel of a PNG"));
+  v(number("electrons", p.electrons, range::from_to(0, 1e12),
+           "full-well capacity in electrons; adds shot noise; 0: no shot noise"));
+  v(number("read_noise", p.read_noise, range::not_negative,
+           "read noise per pixel, rms, in electrons; needs electrons"));
+  v(count("noise_seed", p.noise_seed, range::not_negative, "seed for the sensor's noise"));
+  v(choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
+           "series of views with its animation: through planes of focus, or with the eye moving along x (parallax)"));
+  v(count("sweep_views", p.sweep_views, range::from_to(2, 10000), "number of views of the series"));
+  v(length("sweep_from", p.sweep_from, range::any, "first distance (focus) or first x of the eye (parallax)"));
+  v(length("sweep_to", p.sweep_to, range::any, "last distance (focus) or last x of the eye (parallax)"));
+  v(number("sweep_seconds", p.sweep_seconds, range::above_to(0, 3600),
+           "duration of the animation in seconds, forward and back"));
 }
 
 }  // namespace holotrace

@@ -2,7 +2,7 @@
 
 #include <initializer_list>
 
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 namespace holotrace {
 

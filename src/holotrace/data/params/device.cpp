@@ -29,6 +29,13 @@ std::string device_text(const DeviceChoice& choice) {
   return choice.number == 0 ? "opencl" : fmt::format("opencl:{}", choice.number);
 }
 
+std::string device_help(const std::string& work, const std::string& all) {
+  return "device that " + work +
+         ": the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace info --devices\" "
+         "(opencl:N), in single precision; " +
+         all + "or the one that is expected to be faster (auto)";
+}
+
 void require_one_device(const DeviceChoice& choice, const std::string& about) {
   require(choice.kind != DeviceKind::all,
           "expected one device{}, got opencl:all; only the sum of waves and the method sgd run on all devices at once; "

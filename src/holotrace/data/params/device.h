@@ -27,4 +27,7 @@ DeviceChoice parse_device(const std::string& text);
 
 std::string device_text(const DeviceChoice& choice);
 
+/// The help text of a choice. @param work  what the device does  @param all  what opencl:all stands for, or nothing
+std::string device_help(const std::string& work, const std::string& all = "");
+
 }  // namespace holotrace

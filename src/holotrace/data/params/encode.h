@@ -11,8 +11,8 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params/choice.h"
 #include "holotrace/data/params/denoise.h"
+#include "holotrace/data/params/parameter.h"
 
 // encode: Field → Hologram
 
@@ -138,92 +138,90 @@ struct EncodeParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, EncodeParams& p) {
-  v.choice(
+void describe(Visitor&& v, EncodeParams& p) {
+  v(choice(
       "method", p.method, encoding_names,
       "what a pixel's level represents: the phase; the modulus (amplitude); the interference with a tilted reference "
       "(off-axis); both phase and modulus (complex); two phases on alternate pixels (double-phase); the phase with "
       "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels (binary); "
-      "auto: for scenes sgd, or phase if a parameter of waves is given; for fields phase; for focal stacks sgd");
-  v.choice(
-      "image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
-      "field that is shown: U (virtual: the scene is behind the panel) or conj(U) (real: it focuses in front of it)");
-  v.angle("reference_angle_x", p.reference_angle_x, range::tilt,
+      "auto: for scenes sgd, or phase if a parameter of waves is given; for fields phase; for focal stacks sgd"));
+  v(choice(
+      "image", p.image, image_side_names,
+      "field that is shown: U (virtual: the scene is behind the panel) or conj(U) (real: it focuses in front of it)"));
+  v(angle("reference_angle_x", p.reference_angle_x, range::tilt,
           "off-axis, binary: tilt of the reference in x; if both tilts are 0 deg: asin(3 lambda/8p), or "
-          "asin(lambda/4p) for binary and without bias");
-  v.angle("reference_angle_y", p.reference_angle_y, range::tilt, "off-axis, binary: tilt of the reference in y");
-  v.number("reference_ratio", p.reference_ratio, range::positive,
-           "off-axis: amplitude of the reference over the largest |U|");
-  v.flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9");
-  v.count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
-          "number of levels; 0: as many as the SLM has");
-  v.choice(
+          "asin(lambda/4p) for binary and without bias"));
+  v(angle("reference_angle_y", p.reference_angle_y, range::tilt, "off-axis, binary: tilt of the reference in y"));
+  v(number("reference_ratio", p.reference_ratio, range::positive,
+           "off-axis: amplitude of the reference over the largest |U|"));
+  v(flag("with_bias", p.with_bias, "off-axis: keep the terms I_U + I_R of Eq. 9"));
+  v(count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
+          "number of levels; 0: as many as the SLM has"));
+  v(choice(
       "binary_levels", p.binary_levels,
       {{"panel", BinaryLevels::panel}, {"phase", BinaryLevels::phase}, {"amplitude", BinaryLevels::amplitude}},
-      "binary: quantity of the two levels: phase (0 and pi), amplitude (dark and bright), or what the panel modulates");
-  v.number(
+      "binary: quantity of the two levels: phase (0 and pi), amplitude (dark and bright), or what the panel modulates"));
+  v(number(
       "stop", p.stop, range::fraction,
       "half width of the camera's stop as a fraction of 1/2p, for double-phase, error-diffusion and iterations; 1: "
-      "no stop; 0: 0.4 for double-phase and error-diffusion, else 1");
-  v.choice("target", p.target, target_names,
+      "no stop; 0: 0.4 for double-phase and error-diffusion, else 1"));
+  v(choice("target", p.target, target_names,
            "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
            "light in planes through the scene (render); that light and the views through pupils (light-field); auto: "
-           "light-field for a camera with a pupil in front of the panel, else render");
-  v.choice(
+           "light-field for a camera with a pupil in front of the panel, else render"));
+  v(choice(
       "denoise", p.denoise, denoise_names,
       "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: where their noise "
-      "is visible (auto); none; or all");
-  v.choice(
+      "is visible (auto); none; or all"));
+  v(choice(
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
       "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 40, 32; good: 8, 16, 100, 128; best: 16, 24, 300, 256; "
-      "auto: draft; with draft, good or best the method is sgd");
-  v.lengths("target_distances", p.target_distances, range::any,
-            "iterations: distances of the target planes from the panel");
-  v.lengths("eye", p.eye, range::any,
+      "auto: draft; with draft, good or best the method is sgd"));
+  v(lengths("target_distances", p.target_distances, range::any,
+            "iterations: distances of the target planes from the panel"));
+  v(lengths("eye", p.eye, range::any,
             "sgd, scenes: position x y z of the eye that the light is for, in front of the panel (z above 0 m); three "
-            "lengths for each of several eyes; empty: light for the whole space before the panel");
-  v.length("pupil", p.pupil, range::not_negative, "diameter of the eye's pupil; 0 m: the camera's, or 3 mm");
-  v.texts(
+            "lengths for each of several eyes; empty: light for the whole space before the panel"));
+  v(length("pupil", p.pupil, range::not_negative, "diameter of the eye's pupil; 0 m: the camera's, or 3 mm"));
+  v(texts(
       "eyebox", p.eyebox,
       "places of the pupil's middle around the eye that see the scene: diameter (\"2 mm\"), width and height (\"6 2 "
-      "mm\"), or \"all\" places before the panel; empty: 2 mm");
-  v.count("planes", p.planes, range::not_negative,
+      "mm\"), or \"all\" places before the panel; empty: 2 mm"));
+  v(count("planes", p.planes, range::not_negative,
           "targets render, light-field: largest number of planes through the scene, if target_distances gives none; 0: "
-          "16, or as quality says");
-  v.count("target_columns", p.target_columns, range::not_negative,
-          "iterations, pictures: width in pixels of the part of a target plane that the error counts; 0: the panel's");
-  v.count("target_rows", p.target_rows, range::not_negative,
-          "iterations, pictures: height in pixels of that part; 0: the panel's");
-  v.flag("resample", p.resample,
-         "scale a target picture of another size into target_columns x target_rows, in its own shape");
-  v.flag("joint", p.is_joint, "sgd: one hologram for all wavelengths; false: one for each");
-  static const std::string iterations =
-      fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",
-                  gerchberg_saxton_iterations, sgd_iterations, target_field_iterations);
-  v.count("iterations", p.iterations, range::not_negative, iterations.c_str());
-  v.number("least_gain", p.least_gain, range::not_negative,
+          "16, or as quality says"));
+  v(count("target_columns", p.target_columns, range::not_negative,
+          "iterations, pictures: width in pixels of the part of a target plane that the error counts; 0: the panel's"));
+  v(count("target_rows", p.target_rows, range::not_negative,
+          "iterations, pictures: height in pixels of that part; 0: the panel's"));
+  v(flag("resample", p.resample,
+         "scale a target picture of another size into target_columns x target_rows, in its own shape"));
+  v(flag("joint", p.is_joint, "sgd: one hologram for all wavelengths; false: one for each"));
+  v(count("iterations", p.iterations, range::not_negative,
+          fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",
+                      gerchberg_saxton_iterations, sgd_iterations, target_field_iterations)));
+  v(number("least_gain", p.least_gain, range::not_negative,
            "sgd: fall of the loss in dB, between the means of two windows of 10 updates or more, below which the "
-           "iterations end early; 0: never");
-  static const std::string step = fmt::format(
-      "sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes", sgd_step);
-  v.number("step", p.step, range::not_negative, step.c_str());
-  v.count("planes_per_update", p.planes_per_update, range::not_negative,
-          "sgd: number of target planes in each iteration, in turn; 0: all of them");
-  v.count("subpixels", p.subpixels, range::at_least(1),
-          "sgd: samples of the light per pixel and axis; 1: diffraction order 0; 3: orders -1, 0 and 1 of each axis");
-  v.choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
-           "start phase of iterations and phase of target pictures: the field's own (0 for a picture), or random");
-  v.count("seed", p.seed, range::not_negative, "seed for random start phases");
-  v.device(
+           "iterations end early; 0: never"));
+  v(number(
+      "step", p.step, range::not_negative,
+      fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes",
+                  sgd_step)));
+  v(count("planes_per_update", p.planes_per_update, range::not_negative,
+          "sgd: number of target planes in each iteration, in turn; 0: all of them"));
+  v(count("subpixels", p.subpixels, range::at_least(1),
+          "sgd: samples of the light per pixel and axis; 1: diffraction order 0; 3: orders -1, 0 and 1 of each axis"));
+  v(choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
+           "start phase of iterations and phase of target pictures: the field's own (0 for a picture), or random"));
+  v(count("seed", p.seed, range::not_negative, "seed for random start phases"));
+  v(devices(
       "device", p.device,
-      "device that computes the hologram, for all methods but error-diffusion, which needs the processor: the processor "
-      "(cpu); the first OpenCL device (opencl) or device N of \"holotrace info --devices\" (opencl:N), in single "
-      "precision; for sgd all OpenCL devices of the same model as the first one (opencl:all), which share its frames; or "
-      "the one that is expected to be faster (auto)");
-  v.texts("effects", p.effects,
-          "panel effects that the encoding compensates: calibration, aberration, phase-map, light-map; with sgd also "
-          "crosstalk, gaps, dead-pixels; all; or none; empty: the first four, as far as the panel's own file has them");
+      "computes the hologram (error-diffusion: the processor only; opencl:all: for sgd only, whose frames the devices share)"));
+  v(texts(
+      "effects", p.effects,
+      "panel effects that the encoding compensates: calibration, aberration, phase-map, light-map; with sgd also "
+      "crosstalk, gaps, dead-pixels; all; or none; empty: the first four, as far as the panel's own file has them"));
 }
 
 /// The eyes of an encoding. @throws Error  unless there are three lengths for each, and z is above 0

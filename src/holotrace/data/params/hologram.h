@@ -1,7 +1,7 @@
 #pragma once
 
-#include "holotrace/data/params/choice.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/data/slm.h"
 
 namespace holotrace {
@@ -17,17 +17,17 @@ struct HologramParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, HologramParams& p) {
-  v.choice("image", p.image, {{"virtual", ImageSide::virtual_image}, {"real", ImageSide::real_image}},
-           "side of the panel with the picture: behind it (virtual) or in front of it (real), at positive distances");
-  v.choice("modulation", p.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}},
-           "meaning of the greys of a file without metadata");
-  v.count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
-          "number of levels of a file without metadata; 0: all greys of its bits");
-  v.length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's");
-  v.angle("range", p.range, range::not_negative,
-          "phase range of the panel, 360 deg if its levels make a whole turn; 0 deg: the panel's own");
-  v.length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known");
+void describe(Visitor&& v, HologramParams& p) {
+  v(choice("image", p.image, image_side_names,
+           "side of the panel with the picture: behind it (virtual) or in front of it (real), at positive distances"));
+  v(choice("modulation", p.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}},
+           "meaning of the greys of a file without metadata"));
+  v(count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
+          "number of levels of a file without metadata; 0: all greys of its bits"));
+  v(length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's"));
+  v(angle("range", p.range, range::not_negative,
+          "phase range of the panel, 360 deg if its levels make a whole turn; 0 deg: the panel's own"));
+  v(length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known"));
 }
 
 }  // namespace holotrace

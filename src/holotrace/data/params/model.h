@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 // model: a file of a model → Job
 
@@ -24,22 +24,22 @@ struct ModelParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, ModelParams& p) {
-  v.choice("up", p.up,
+void describe(Visitor&& v, ModelParams& p) {
+  v(choice("up", p.up,
            {{"y", UpAxis::y},
             {"-y", UpAxis::minus_y},
             {"z", UpAxis::z},
             {"-z", UpAxis::minus_z},
             {"x", UpAxis::x},
             {"-x", UpAxis::minus_x}},
-           "models: axis of the file that points up");
-  v.texts(
+           "models: axis of the file that points up"));
+  v(texts(
       "rotation", p.rotation,
       "models: turns of the upright model about its axes, one after the other, such as \"y 90 deg, x 10 deg\"; empty: "
-      "y -30 deg if its format says that z is its front (glTF), else one of eight turns, the one that shows most");
-  v.number("fit", p.fit, range::fraction_above_0, "models: part of the view's width or height that the model takes");
-  v.choice("floor", p.floor, {{"round", ModelFloor::round}, {"none", ModelFloor::none}},
-           "models: what the model stands on: a round floor that fades towards its edge, or nothing");
+      "y -30 deg if its format says that z is its front (glTF), else one of eight turns, the one that shows most"));
+  v(number("fit", p.fit, range::fraction_above_0, "models: part of the view's width or height that the model takes"));
+  v(choice("floor", p.floor, {{"round", ModelFloor::round}, {"none", ModelFloor::none}},
+           "models: what the model stands on: a round floor that fades towards its edge, or nothing"));
 }
 
 }  // namespace holotrace

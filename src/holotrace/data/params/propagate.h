@@ -1,6 +1,6 @@
 #pragma once
 
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 // propagate: Field → Field
 
@@ -21,23 +21,20 @@ struct PropagateParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, PropagateParams& p) {
-  v.choice("method", p.method,
+void describe(Visitor&& v, PropagateParams& p) {
+  v(choice("method", p.method,
            {{"auto", PropagationMethod::automatic},
             {"angular-spectrum", PropagationMethod::angular_spectrum},
             {"rayleigh-sommerfeld", PropagationMethod::rayleigh_sommerfeld},
             {"fresnel", PropagationMethod::fresnel}},
-           "propagation method; auto: chosen by the sampling condition");
-  v.count("columns", p.columns, range::not_negative, "width of the output window in samples; 0: the input's");
-  v.count("rows", p.rows, range::not_negative, "height of the output window in samples; 0: the input's");
-  v.length("pitch", p.pitch, range::not_negative, "pitch of the output's samples; 0 m: the input's");
-  v.length("centre_x", p.centre_x, range::any, "x of the output window's centre");
-  v.length("centre_y", p.centre_y, range::any, "y of the output window's centre");
-  v.flag("periodic", p.is_periodic, "field is periodic, as for gratings and plane waves: no padding");
-  v.device("device", p.device,
-           "device that propagates the field: the processor (cpu); the first OpenCL device (opencl) or device N of "
-           "\"holotrace info --devices\" (opencl:N), in single precision; or the one that is expected to be faster "
-           "(auto)");
+           "propagation method; auto: chosen by the sampling condition"));
+  v(count("columns", p.columns, range::not_negative, "width of the output window in samples; 0: the input's"));
+  v(count("rows", p.rows, range::not_negative, "height of the output window in samples; 0: the input's"));
+  v(length("pitch", p.pitch, range::not_negative, "pitch of the output's samples; 0 m: the input's"));
+  v(length("centre_x", p.centre_x, range::any, "x of the output window's centre"));
+  v(length("centre_y", p.centre_y, range::any, "y of the output window's centre"));
+  v(flag("periodic", p.is_periodic, "field is periodic, as for gratings and plane waves: no padding"));
+  v(device("device", p.device, "propagates the field"));
 }
 
 }  // namespace holotrace

@@ -24,7 +24,7 @@ inline constexpr double most_number = 1e18;
 /// What a parameter counts or measures; it decides how errors and help texts write the values.
 enum class Quantity { count, number, length, angle };
 
-/// Ranges by name; each is used as an argument in `describe` (choice.h).
+/// Ranges by name; each is used as an argument in `describe` (parameter.h).
 namespace range {
 inline constexpr Range any{};
 inline constexpr Range positive{.low = 0, .is_low_open = true};

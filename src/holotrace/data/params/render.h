@@ -6,8 +6,8 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/acceleration.h"
-#include "holotrace/data/params/choice.h"
 #include "holotrace/data/params/denoise.h"
+#include "holotrace/data/params/parameter.h"
 
 // render: Scene → Image
 
@@ -48,45 +48,45 @@ struct RenderParams {
 inline int paths_per_pixel(const RenderParams& params) { return params.paths > 0 ? params.paths : default_paths; }
 
 template <class Visitor>
-void describe(Visitor& v, RenderParams& p) {
-  v.count("columns", p.columns, range::not_negative,
-          "width in pixels; 0: in the shape of the sensor, or square if field_of_view is given");
-  v.count("rows", p.rows, range::at_least(1), "height in pixels");
-  v.angle("field_of_view", p.field_of_view, range::half_angle,
-          "half angle of view over the height; 0 deg: the window of the views");
-  v.position("eye", p.eye, range::not_negative,
-             "position of the lens, on the panel or in front of it (z of 0 m or more)");
-  v.choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},
-           "aperture of the camera: a pinhole, a round lens, or the panel's own area");
-  v.length("pupil", p.pupil, range::positive, "diameter of the round lens");
-  v.length("focus", p.focus, range::any, "distance from the panel to the plane in focus; negative: in front of it");
-  v.lengths(
+void describe(Visitor&& v, RenderParams& p) {
+  v(count("columns", p.columns, range::not_negative,
+          "width in pixels; 0: in the shape of the sensor, or square if field_of_view is given"));
+  v(count("rows", p.rows, range::at_least(1), "height in pixels"));
+  v(angle("field_of_view", p.field_of_view, range::half_angle,
+          "half angle of view over the height; 0 deg: the window of the views"));
+  v(position("eye", p.eye, range::not_negative,
+             "position of the lens, on the panel or in front of it (z of 0 m or more)"));
+  v(choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},
+           "aperture of the camera: a pinhole, a round lens, or the panel's own area"));
+  v(length("pupil", p.pupil, range::positive, "diameter of the round lens"));
+  v(length("focus", p.focus, range::any, "distance from the panel to the plane in focus; negative: in front of it"));
+  v(lengths(
       "focal_stack", p.focal_stack, range::any,
       "distances from the panel to planes; makes a focal stack with the panel as lens, on the panel's pixels, from "
-      "one tracing");
-  v.length("eye_separation", p.eye_separation, range::not_negative,
-           "distance between two eyes along x, centred on eye; makes a stereo pair and its anaglyph; 0 m: one eye");
-  v.count("paths", p.paths, range::not_negative, "light paths per pixel; 0: as quality says for sgd, else 64");
-  v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
-  v.count(
+      "one tracing"));
+  v(length("eye_separation", p.eye_separation, range::not_negative,
+           "distance between two eyes along x, centred on eye; makes a stereo pair and its anaglyph; 0 m: one eye"));
+  v(count("paths", p.paths, range::not_negative, "light paths per pixel; 0: as quality says for sgd, else 64"));
+  v(count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path"));
+  v(count(
       "roulette_depth", p.roulette_depth, range::at_least(1),
       "first surface at which Russian roulette may end a light path; later surfaces give longer paths and mostly less "
-      "noise");
-  v.number("clamp", p.clamp, range::not_negative, "upper limit of the radiance of one path in W/m2/sr; 0: no limit");
-  v.texts("path_expressions", p.path_expressions, "light path expressions whose light is summed; empty: all light");
-  v.flag("background", p.has_background,
-         "environment shown where no surface is; run leaves it out of its reference pictures");
-  v.choice(
+      "noise"));
+  v(number("clamp", p.clamp, range::not_negative, "upper limit of the radiance of one path in W/m2/sr; 0: no limit"));
+  v(texts("path_expressions", p.path_expressions, "light path expressions whose light is summed; empty: all light"));
+  v(flag("background", p.has_background,
+         "environment shown where no surface is; run leaves it out of its reference pictures"));
+  v(choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
-      "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");
-  v.choice(
+      "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)"));
+  v(choice(
       "denoise", p.denoise, denoise_names,
       "denoising of pictures by Open Image Denoise 2, if it is installed: pictures to look at, which are PNG files (auto); "
-      "none; or also radiance, in EXR and HDF5 files (all); references of metrics stay as they are");
-  v.choice(
+      "none; or also radiance, in EXR and HDF5 files (all); references of metrics stay as they are"));
+  v(choice(
       "reference", p.reference, {{"none", Reference::none}, {"quick", Reference::quick}, {"full", Reference::full}},
-      "renders that run compares its views with: none (no metrics), quick (a quarter of the paths, and metrics without their noise) or full");
-  v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
+      "renders that run compares its views with: none (no metrics), quick (a quarter of the paths, and metrics without their noise) or full"));
+  v(count("seed", p.seed, range::not_negative, "seed for all random numbers"));
 }
 
 }  // namespace holotrace

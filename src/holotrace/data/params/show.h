@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 // show: Hologram → Field
 
@@ -32,37 +32,33 @@ struct ShowParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, ShowParams& p) {
-  v.count("subpixels", p.subpixels, range::from_to(1, 65536),
-          "samples of the field per pixel and axis; 1 shows order 0 only, 3 the orders -1, 0, 1");
-  v.count("fine_samples", p.fine_samples, range::from_to(0, 64),
-          "points per pixel and axis for crosstalk; 0: as many as it needs");
-  v.length("wavelength", p.wavelength, range::not_negative, "wavelength of the illumination; 0 m: the hologram's own");
-  v.number("irradiance", p.irradiance, range::not_negative, "irradiance of the illumination on the axis in W/m2");
-  v.choice("light", p.light,
+void describe(Visitor&& v, ShowParams& p) {
+  v(count("subpixels", p.subpixels, range::from_to(1, 65536),
+          "samples of the field per pixel and axis; 1 shows order 0 only, 3 the orders -1, 0, 1"));
+  v(count("fine_samples", p.fine_samples, range::from_to(0, 64),
+          "points per pixel and axis for crosstalk; 0: as many as it needs"));
+  v(length("wavelength", p.wavelength, range::not_negative, "wavelength of the illumination; 0 m: the hologram's own"));
+  v(number("irradiance", p.irradiance, range::not_negative, "irradiance of the illumination on the axis in W/m2"));
+  v(choice("light", p.light,
            {{"plane", Wavefront::plane}, {"spherical", Wavefront::spherical}, {"gaussian", Wavefront::gaussian}},
-           "wavefront and profile of the illumination");
-  v.angle("tilt_x", p.tilt_x, range::tilt, "tilt of the illumination from the panel's axis toward x");
-  v.angle("tilt_y", p.tilt_y, range::tilt, "tilt of the illumination from the panel's axis toward y");
-  v.length(
+           "wavefront and profile of the illumination"));
+  v(angle("tilt_x", p.tilt_x, range::tilt, "tilt of the illumination from the panel's axis toward x"));
+  v(angle("tilt_y", p.tilt_y, range::tilt, "tilt of the illumination from the panel's axis toward y"));
+  v(length(
       "source_distance", p.source_distance, range::any,
-      "spherical: distance of the point source behind the panel; negative: the light converges in front of the panel");
-  v.length("beam_radius", p.beam_radius, range::not_negative,
-           "gaussian: radius of the beam on the panel at 1/e2 of its irradiance");
-  v.length("bandwidth", p.bandwidth, range::not_negative,
-           "full width at half maximum of the illumination's spectrum; 0 m: one wavelength");
-  v.angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
-          "full angle of the source as seen from the panel; 0 deg: a point source");
-  v.count("illumination_states", p.illumination_states, range::from_to(0, 65536),
-          "number of states of partly coherent light and flicker to average; 0: as many as the views need");
-  v.texts("effects", p.effects,
+      "spherical: distance of the point source behind the panel; negative: the light converges in front of the panel"));
+  v(length("beam_radius", p.beam_radius, range::not_negative,
+           "gaussian: radius of the beam on the panel at 1/e2 of its irradiance"));
+  v(length("bandwidth", p.bandwidth, range::not_negative,
+           "full width at half maximum of the illumination's spectrum; 0 m: one wavelength"));
+  v(angle("source_angle", p.source_angle, range::below(0, std::numbers::pi),
+          "full angle of the source as seen from the panel; 0 deg: a point source"));
+  v(count("illumination_states", p.illumination_states, range::from_to(0, 65536),
+          "number of states of partly coherent light and flicker to average; 0: as many as the views need"));
+  v(texts("effects", p.effects,
           "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, "
-          "light-map, dead-pixels; all; or none; empty: those that the panel's own file has");
-  v.device(
-      "device", p.device,
-      "device that computes the light that leaves the panel (holotrace show: and propagates it): the processor (cpu); "
-      "the first OpenCL device (opencl) or device N of \"holotrace info --devices\" (opencl:N), in single precision; or "
-      "the one that is expected to be faster (auto)");
+          "light-map, dead-pixels; all; or none; empty: those that the panel's own file has"));
+  v(device("device", p.device, "computes the light that leaves the panel (holotrace show: and propagates it)"));
 }
 
 }  // namespace holotrace

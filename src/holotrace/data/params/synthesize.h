@@ -1,6 +1,6 @@
 #pragma once
 
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 // synthesize: Sources → Field
 
@@ -29,8 +29,8 @@ struct SynthesizeParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, SynthesizeParams& p) {
-  v.choice("method", p.method,
+void describe(Visitor&& v, SynthesizeParams& p) {
+  v(choice("method", p.method,
            {{"auto", SynthesisMethod::automatic},
             {"exact", SynthesisMethod::exact},
             {"tiled", SynthesisMethod::tiled},
@@ -40,22 +40,18 @@ void describe(Visitor& v, SynthesizeParams& p) {
            "how the field is computed. From waves: one by one in double precision (exact), tile by tile "
            "(tiled), by a non-uniform FFT in each tile (planes), or by slices of depth (layers); auto: the "
            "faster of tiled and planes that meets the tolerance, else exact. From the scene's surfaces: as "
-           "luminous triangles (triangles)");
-  v.number("tolerance", p.tolerance, range::between(0, 1),
-           "largest relative L2 error of the field against the method exact");
-  v.count("slices", p.slices, range::not_negative,
-          "layers: number of slices of depth; 0: as many as the tolerance needs");
-  v.flag("silhouettes", p.has_silhouettes, "layers: each slice hides what lies behind it");
-  v.choice("shading", p.shading, {{"flat", Shading::flat}, {"smooth", Shading::smooth}},
-           "triangles: amplitude over a triangle: uniform (flat), or interpolated between its corners (smooth)");
-  v.choice("triangle_phase", p.triangle_phase,
+           "luminous triangles (triangles)"));
+  v(number("tolerance", p.tolerance, range::between(0, 1),
+           "largest relative L2 error of the field against the method exact"));
+  v(count("slices", p.slices, range::not_negative,
+          "layers: number of slices of depth; 0: as many as the tolerance needs"));
+  v(flag("silhouettes", p.has_silhouettes, "layers: each slice hides what lies behind it"));
+  v(choice("shading", p.shading, {{"flat", Shading::flat}, {"smooth", Shading::smooth}},
+           "triangles: amplitude over a triangle: uniform (flat), or interpolated between its corners (smooth)"));
+  v(choice("triangle_phase", p.triangle_phase,
            {{"random", TrianglePhase::random}, {"constant", TrianglePhase::constant}},
-           "triangles: phase of their light: a random one for each, or 0 for all");
-  v.device(
-      "device", p.device,
-      "device that sums the waves: the processor (cpu); the first OpenCL device (opencl) or device N of \"holotrace "
-      "info --devices\" (opencl:N), by tiled or planes; all OpenCL devices of the same model as the first one "
-      "(opencl:all); or the one that is expected to be faster (auto)");
+           "triangles: phase of their light: a random one for each, or 0 for all"));
+  v(devices("device", p.device, "sums the waves (with OpenCL: by tiled or planes)"));
 }
 
 template <>

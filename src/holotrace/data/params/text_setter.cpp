@@ -1,9 +1,29 @@
 #include "holotrace/data/params/text_setter.h"
 
-#include "holotrace/base/suggest.h"
+#include <algorithm>
+#include <charconv>
+
 #include "holotrace/base/units.h"
 
 namespace holotrace {
+namespace {
+
+template <class Number>
+Number parse_number(const std::string& text, const char* expected) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  require(error == std::errc() && end == text.data() + text.size(), "expected {}, got \"{}\"", expected, text);
+  return number;
+}
+
+template <class Integer>
+void set_count(const Parameter<Integer>& parameter, const std::string& text) {
+  const Integer number = parse_number<Integer>(text, "a whole number");
+  check_range(double(number), parameter.range, Quantity::count);
+  parameter.value = number;
+}
+
+}  // namespace
 
 double length_within(const std::string& text, const Range& range, const std::string& name) {
   const double metres = parse_length(text, name);
@@ -23,70 +43,48 @@ double angle_within(const std::string& text, const Range& range) {
   return radians;
 }
 
-void TextSetter::set(const char* name, const std::function<void(const std::string& text)>& parse) const {
-  const auto found = given_.find(name);
-  if (found != given_.end()) read_flag(shown_name_(name), [&] { parse(found->second); });
+void set_from_text(const Parameter<int>& parameter, const std::string& text) { set_count(parameter, text); }
+void set_from_text(const Parameter<int64_t>& parameter, const std::string& text) { set_count(parameter, text); }
+
+void set_from_text(const Parameter<double>& parameter, const std::string& text) {
+  if (parameter.quantity == Quantity::length) {
+    parameter.value = length_within(text, parameter.range, parameter.name);
+  } else if (parameter.quantity == Quantity::angle) {
+    parameter.value = angle_within(text, parameter.range);
+  } else {
+    const double number = parse_number<double>(text, "a number");
+    check_range(number, parameter.range, Quantity::number);
+    parameter.value = number;
+  }
 }
 
-void TextSetter::fail_count(const std::string& text) { fail("expected a whole number, got \"{}\"", text); }
-
-size_t TextSetter::chosen(const char* name, const std::string& text, const std::vector<std::string>& known) {
-  const auto found = std::find(known.begin(), known.end(), text);
-  if (found == known.end()) throw Error(unknown_name_message(name, text, known));
-  return size_t(found - known.begin());
+void set_from_text(const Parameter<bool>& parameter, const std::string& text) {
+  require(text == "true" || text == "false", "expected true or false, got \"{}\"", text);
+  parameter.value = text == "true";
 }
 
-void TextSetter::number(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) {
-    double value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    require(error == std::errc() && end == text.data() + text.size(), "expected a number, got \"{}\"", text);
-    check_range(value, range, Quantity::number);
-    v = value;
-  });
+void set_from_text(const Parameter<std::vector<double>>& parameter, const std::string& text) {
+  parameter.value = lengths_within(text, parameter.range, parameter.name);
 }
 
-void TextSetter::flag(const char* name, bool& v, const char*) {
-  set(name, [&](const std::string& text) {
-    require(text == "true" || text == "false", "expected true or false, got \"{}\"", text);
-    v = text == "true";
-  });
+void set_from_text(const Parameter<Vec3>& parameter, const std::string& text) {
+  const std::vector<double> lengths = parse_lengths(text, parameter.name);
+  require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
+  check_range(lengths[2], parameter.range, Quantity::length, " for z");
+  parameter.value = {lengths[0], lengths[1], lengths[2]};
 }
 
-void TextSetter::length(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = length_within(text, range, name); });
+void set_from_text(const Parameter<std::vector<std::string>>& parameter, const std::string& text) {
+  parameter.value.clear();  // separated by commas
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find(',', at), text.size());
+    parameter.value.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
 }
 
-void TextSetter::angle(const char* name, double& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = angle_within(text, range); });
-}
-
-void TextSetter::lengths(const char* name, std::vector<double>& v, const Range& range, const char*) {
-  set(name, [&](const std::string& text) { v = lengths_within(text, range, name); });
-}
-
-void TextSetter::position(const char* name, Vec3& v, const Range& range_of_z, const char*) {
-  set(name, [&](const std::string& text) {
-    const std::vector<double> lengths = parse_lengths(text, name);
-    require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
-    check_range(lengths[2], range_of_z, Quantity::length, " for z");
-    v = {lengths[0], lengths[1], lengths[2]};
-  });
-}
-
-void TextSetter::texts(const char* name, std::vector<std::string>& v, const char*) {
-  set(name, [&](const std::string& text) {  // separated by commas
-    v.clear();
-    for (size_t at = 0; at <= text.size();) {
-      const size_t end = std::min(text.find(',', at), text.size());
-      v.push_back(text.substr(at, end - at));
-      at = end + 1;
-    }
-  });
-}
-
-void TextSetter::device(const char* name, DeviceChoice& v, const char*) {
-  set(name, [&](const std::string& text) { v = parse_device(text); });
+void set_from_text(const Parameter<DeviceChoice>& parameter, const std::string& text) {
+  parameter.value = parse_device(text);
 }
 
 }  // namespace holotrace

@@ -1,18 +1,13 @@
 #pragma once
 
-#include <algorithm>
-#include <charconv>
-#include <functional>
-#include <initializer_list>
+#include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/choice.h"
-#include "holotrace/data/params/device.h"
+#include "holotrace/data/params/parameter.h"
 
 namespace holotrace {
 
@@ -31,49 +26,31 @@ double length_within(const std::string& text, const Range& range, const std::str
 std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name);
 double angle_within(const std::string& text, const Range& range);
 
-/// A visitor of `describe` that sets the fields for which texts are given, such as the values of flags or of a query.
-/// @throws Error for a text that is not a valid value, naming the field as `shown_name` does
-class TextSetter {
- public:
-  using Texts = std::map<std::string, std::string>;  // by field
-  using ShownName = std::function<std::string(std::string field)>;
-  TextSetter(const Texts& texts, ShownName name) : given_(texts), shown_name_(std::move(name)) {}
+/// Sets a parameter from a text. @throws Error for a text that is not a valid value
+void set_from_text(const Parameter<int>& parameter, const std::string& text);
+void set_from_text(const Parameter<int64_t>& parameter, const std::string& text);
+void set_from_text(const Parameter<double>& parameter, const std::string& text);
+void set_from_text(const Parameter<bool>& parameter, const std::string& text);
+void set_from_text(const Parameter<std::vector<double>>& parameter, const std::string& text);
+void set_from_text(const Parameter<Vec3>& parameter, const std::string& text);
+void set_from_text(const Parameter<std::vector<std::string>>& parameter, const std::string& text);
+void set_from_text(const Parameter<DeviceChoice>& parameter, const std::string& text);
+template <class Enum>
+void set_from_text(const Parameter<Enum>& parameter, const std::string& text) {
+  parameter.value = value_named(text, parameter);
+}
 
-  template <class Integer>
-  void count(const char* name, Integer& v, const Range& range, const char*) {
-    set(name, [&](const std::string& text) {
-      Integer value{};
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error != std::errc() || end != text.data() + text.size()) fail_count(text);
-      check_range(double(value), range, Quantity::count);
-      v = value;
-    });
-  }
-  void number(const char* name, double& v, const Range& range, const char*);
-  void flag(const char* name, bool& v, const char*);
-  void length(const char* name, double& v, const Range& range, const char*);
-  void angle(const char* name, double& v, const Range& range, const char*);
-  void lengths(const char* name, std::vector<double>& v, const Range& range, const char*);
-  void position(const char* name, Vec3& v, const Range& range_of_z, const char*);
-  void texts(const char* name, std::vector<std::string>& v, const char*);
-  void device(const char* name, DeviceChoice& v, const char*);
-  template <class Enum>
-  void choice(const char* name, Enum& v, std::initializer_list<Choice<Enum>> choices, const char*) {
-    set(name, [&](const std::string& text) {
-      std::vector<std::string> known;
-      for (const auto& c : choices) known.emplace_back(c.name);
-      v = (choices.begin() + chosen(name, text, known))->value;
-    });
-  }
-
- private:
-  // Calls `parse` with the text of that field, if there is one. Errors name the field.
-  void set(const char* name, const std::function<void(const std::string& text)>& parse) const;
-  static void fail_count(const std::string& text);
-  static size_t chosen(const char* name, const std::string& text, const std::vector<std::string>& known);
-
-  const Texts& given_;
-  ShownName shown_name_;
-};
+/// Sets the parameters for which texts are given, such as the values of flags or of a query.
+/// @param texts       by parameter
+/// @param shown_name  what an error calls a parameter, such as its flag
+/// @throws Error for a text that is not a valid value, naming the parameter
+template <class Params, class ShownName>
+void set_from_texts(Params& params, const std::map<std::string, std::string>& texts, const ShownName& shown_name) {
+  const auto set = [&](const auto& parameter) {
+    const auto text = texts.find(parameter.name);
+    if (text != texts.end()) read_flag(shown_name(parameter.name), [&] { set_from_text(parameter, text->second); });
+  };
+  describe(set, params);
+}
 
 }  // namespace holotrace

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "holotrace/data/params/acceleration.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 // trace: Scene → Sources
 
@@ -69,67 +69,67 @@ inline int raster_columns(const TraceParams& params) { return params.columns > 0
 inline int raster_rows(const TraceParams& params) { return params.rows > 0 ? params.rows : default_raster; }
 
 template <class Visitor>
-void describe(Visitor& v, TraceParams& p) {
-  v.choice("strategy", p.strategy,
+void describe(Visitor&& v, TraceParams& p) {
+  v(choice("strategy", p.strategy,
            {{"shared", Strategy::shared}, {"tiled", Strategy::tiled}, {"gather", Strategy::gather}},
            "panel pixels that one wave reaches. shared: all, with one radiance; tiled: all, with a radiance for "
-           "each panel tile; gather: only the pixel of its ray");
-  v.choice(
+           "each panel tile; gather: only the pixel of its ray"));
+  v(choice(
       "pattern", p.pattern, {{"grid", Pattern::grid}, {"random", Pattern::random}},
-      "rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance");
-  v.count("columns", p.columns, range::not_negative,
-          "columns of the raster; 0: as many as the panel resolves in the window of the views, 256 or more");
-  v.count("rows", p.rows, range::not_negative, "rows of the raster; 0: as for columns");
-  v.count("samples", p.samples, range::from_to(1, 0x1p40), "random: number of rays");
-  v.count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from each panel pixel");
-  v.choice("directions", p.directions, {{"acceptance", Directions::acceptance}, {"hemisphere", Directions::hemisphere}},
-           "gather: directions of the rays: those that the panel accepts, or the whole hemisphere");
-  v.count("tile_columns", p.tile_columns, range::at_least(1), "tiled: number of tiles across the panel");
-  v.count("tile_rows", p.tile_rows, range::at_least(1), "tiled: number of tiles down the panel");
-  v.angle(
+      "rays that find first hits: a raster seen from the panel's centre, or random rays over the panel's acceptance"));
+  v(count("columns", p.columns, range::not_negative,
+          "columns of the raster; 0: as many as the panel resolves in the window of the views, 256 or more"));
+  v(count("rows", p.rows, range::not_negative, "rows of the raster; 0: as for columns"));
+  v(count("samples", p.samples, range::from_to(1, 0x1p40), "random: number of rays"));
+  v(count("pixel_samples", p.pixel_samples, range::at_least(1), "gather: rays from each panel pixel"));
+  v(choice("directions", p.directions, {{"acceptance", Directions::acceptance}, {"hemisphere", Directions::hemisphere}},
+           "gather: directions of the rays: those that the panel accepts, or the whole hemisphere"));
+  v(count("tile_columns", p.tile_columns, range::at_least(1), "tiled: number of tiles across the panel"));
+  v(count("tile_rows", p.tile_rows, range::at_least(1), "tiled: number of tiles down the panel"));
+  v(angle(
       "field_of_view", p.field_of_view, range::half_angle,
       "half angle of the raster; 0 deg: the window of the views if columns and rows are 0, else the panel's acceptance "
-      "asin(lambda/2p)");
-  v.flag(
+      "asin(lambda/2p)"));
+  v(flag(
       "common_cone", p.has_common_cone,
-      "limit all wavelengths to the cone of the shortest, which avoids a coloured rim; false: each uses its own cone");
-  v.count("paths", p.paths, range::at_least(1), "light paths per first hit");
-  v.count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path");
-  v.count(
+      "limit all wavelengths to the cone of the shortest, which avoids a coloured rim; false: each uses its own cone"));
+  v(count("paths", p.paths, range::at_least(1), "light paths per first hit"));
+  v(count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path"));
+  v(count(
       "roulette_depth", p.roulette_depth, range::at_least(1),
       "first surface at which Russian roulette may end a light path; later surfaces give longer paths and mostly less "
-      "noise; with shadow_rays path-end every surface may end a path");
-  v.choice(
+      "noise; with shadow_rays path-end every surface may end a path"));
+  v(choice(
       "shadow_rays", p.shadow_rays, {{"each-surface", ShadowRays::each_surface}, {"path-end", ShadowRays::path_end}},
-      "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)");
-  v.number("clamp", p.clamp, range::not_negative,
-           "upper limit of the radiance of one path in W/m2/sr; less noise, but some light is lost; 0: no limit");
-  v.choice("phase", p.phase,
+      "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)"));
+  v(number("clamp", p.clamp, range::not_negative,
+           "upper limit of the radiance of one path in W/m2/sr; less noise, but some light is lost; 0: no limit"));
+  v(choice("phase", p.phase,
            {{"random", SourcePhase::random},
             {"constant", SourcePhase::constant},
             {"surface", SourcePhase::surface},
             {"path", SourcePhase::path},
             {"laser", SourcePhase::laser}},
            "phase of the waves. random; constant: 0; surface: random, but fixed to the surface; path: surface "
-           "phase + optical path through mirrors and glass; laser: path + optical path from the laser");
-  v.length("grain", p.grain, range::not_negative,
-           "side of the surface cells that share one phase; 0 m: the pixel pitch");
-  v.flag(
+           "phase + optical path through mirrors and glass; laser: path + optical path from the laser"));
+  v(length("grain", p.grain, range::not_negative,
+           "side of the surface cells that share one phase; 0 m: the pixel pitch"));
+  v(flag(
       "one_wave_per_cell", p.one_wave_per_cell,
-      "one wave for all first hits in a cell of equal phase, so that brightness follows radiance; false: one for each hit");
-  v.choice(
+      "one wave for all first hits in a cell of equal phase, so that brightness follows radiance; false: one for each hit"));
+  v(choice(
       "amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
-      "amplitude of a wave of radiance L: sqrt(L), so that brightness follows radiance, or L (the paper's Step 5)");
-  v.texts("path_expressions", p.path_expressions, "light path expressions, for example E(D|G)L; empty: all light");
-  v.flag("separate_path_groups", p.separate_path_groups, "one hologram for each path expression; false: one for all");
-  v.flag("separate_lights", p.separate_lights,
-         "one hologram for each light; their images are added without interference");
-  v.count("frames", p.frames, range::not_negative,
-          "holograms with independent phases, shown one after the other; 0: as quality says for sgd, else 1");
-  v.choice(
+      "amplitude of a wave of radiance L: sqrt(L), so that brightness follows radiance, or L (the paper's Step 5)"));
+  v(texts("path_expressions", p.path_expressions, "light path expressions, for example E(D|G)L; empty: all light"));
+  v(flag("separate_path_groups", p.separate_path_groups, "one hologram for each path expression; false: one for all"));
+  v(flag("separate_lights", p.separate_lights,
+         "one hologram for each light; their images are added without interference"));
+  v(count("frames", p.frames, range::not_negative,
+          "holograms with independent phases, shown one after the other; 0: as quality says for sgd, else 1"));
+  v(choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
-      "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)");
-  v.count("seed", p.seed, range::not_negative, "seed for all random numbers");
+      "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)"));
+  v(count("seed", p.seed, range::not_negative, "seed for all random numbers"));
 }
 
 }  // namespace holotrace

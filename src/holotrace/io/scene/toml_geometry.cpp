@@ -23,13 +23,10 @@ void TomlTable::length_vector(const char* key, Vec3& value, const Range& range) 
   for (const double one : {value.x, value.y, value.z}) check(key, *node, one, range, Quantity::length);
 }
 
-void TomlTable::position(const char* key, Vec3& value, const Range& range_of_z, const char*) {
-  length_vector(key, value);
-  if (const toml::node* node = find(key)) try {
-      check_range(value.z, range_of_z, Quantity::length, fmt::format(" for z of \"{}\"", key));
-    } catch (const Error& e) {
-      throw Error(place(node->source()) + e.what());
-    }
+void TomlTable::operator()(const Parameter<Vec3>& p) {
+  length_vector(p.name, p.value);
+  if (!has(p.name)) return;
+  locate(p.name, [&] { check_range(p.value.z, p.range, p.quantity, fmt::format(" for z of \"{}\"", p.name)); });
 }
 
 void TomlTable::length_vectors(const char* key, std::vector<Vec3>& value) {

@@ -12,7 +12,6 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/camera.h"
-#include "holotrace/data/params/changed.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
@@ -27,10 +26,8 @@ using Places = std::multimap<std::string, std::string>;  // by key
 
 template <class Params>
 void add_keys(Places& places, const char* table) {
-  ValueLister lister;
   Params params;
-  describe(lister, params);
-  for (const auto& [key, value] : lister.values) places.emplace(key, fmt::format("below [{}]", table));
+  describe([&](const auto& key) { places.emplace(key.name, fmt::format("below [{}]", table)); }, params);
 }
 
 Places all_places() {
@@ -127,7 +124,7 @@ void TomlTable::check(const char* key, const toml::node& node, double value, con
   }
 }
 
-void TomlTable::count(const char* key, int& value, const Range& range, const char*) {
+void TomlTable::count(const char* key, int& value, const Range& range) {
   int64_t wide = value;
   count(key, wide, range);
   require(wide <= std::numeric_limits<int>::max(), "{}expected at most {} for \"{}\", got {}", where(key),
@@ -135,7 +132,7 @@ void TomlTable::count(const char* key, int& value, const Range& range, const cha
   value = int(wide);
 }
 
-void TomlTable::count(const char* key, int64_t& value, const Range& range, const char*) {
+void TomlTable::count(const char* key, int64_t& value, const Range& range) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto whole = node->value_exact<int64_t>();
@@ -144,7 +141,7 @@ void TomlTable::count(const char* key, int64_t& value, const Range& range, const
   value = *whole;
 }
 
-void TomlTable::number(const char* key, double& value, const Range& range, const char*) {
+void TomlTable::number(const char* key, double& value, const Range& range) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto number = to_number(*node);
@@ -153,7 +150,7 @@ void TomlTable::number(const char* key, double& value, const Range& range, const
   value = *number;
 }
 
-void TomlTable::flag(const char* key, bool& value, const char*) {
+void TomlTable::flag(const char* key, bool& value) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto flag = node->value_exact<bool>();
@@ -214,7 +211,7 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
   return values;
 }
 
-void TomlTable::length(const char* key, double& value, const Range& range, const char*) {
+void TomlTable::length(const char* key, double& value, const Range& range) {
   const toml::node* node = find(key);
   if (!node) return;
   const std::string text = length_text(key, *node);
@@ -228,7 +225,7 @@ void TomlTable::length(const char* key, double& value, const Range& range, const
   value = metres;
 }
 
-void TomlTable::lengths(const char* key, std::vector<double>& value, const Range& range, const char*) {
+void TomlTable::lengths(const char* key, std::vector<double>& value, const Range& range) {
   const toml::node* node = find(key);
   if (!node) return;
   value = read_lengths(key, *node);
@@ -236,28 +233,34 @@ void TomlTable::lengths(const char* key, std::vector<double>& value, const Range
   for (const double one : value) check(key, *node, one, range, Quantity::length);
 }
 
-void TomlTable::device(const char* key, DeviceChoice& value, const char*) {
-  std::string name;
-  text(key, name);
-  if (!name.empty()) locate(key, [&] { value = parse_device(name); });
+void TomlTable::operator()(const Parameter<double>& p) {
+  if (p.quantity == Quantity::length) return length(p.name, p.value, p.range);
+  if (p.quantity == Quantity::angle) return angle(p.name, p.value, p.range);
+  number(p.name, p.value, p.range);
 }
 
-void TomlTable::texts(const char* key, std::vector<std::string>& value, const char*) {
-  const toml::node* node = find(key);
+void TomlTable::operator()(const Parameter<DeviceChoice>& p) {
+  std::string name;
+  text(p.name, name);
+  if (!name.empty()) locate(p.name, [&] { p.value = parse_device(name); });
+}
+
+void TomlTable::operator()(const Parameter<std::vector<std::string>>& p) {
+  const toml::node* node = find(p.name);
   if (!node) return;
   const auto append = [&](const toml::node& item) {
     const auto text = item.value_exact<std::string>();
-    if (!text) fail_kind(key, "a text in quotes, or a list of them,", item);
-    value.push_back(*text);
+    if (!text) fail_kind(p.name, "a text in quotes, or a list of them,", item);
+    p.value.push_back(*text);
   };
-  value.clear();
+  p.value.clear();
   if (const toml::array* list = node->as_array())
     for (const toml::node& item : *list) append(item);
   else
     append(*node);
 }
 
-void TomlTable::angle(const char* key, double& value, const Range& range, const char*) {
+void TomlTable::angle(const char* key, double& value, const Range& range) {
   const toml::node* node = find(key);
   if (!node) return;
   const auto text = text_with_unit(*node, "rad");

@@ -14,7 +14,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/suggest.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 namespace holotrace {
 
@@ -24,9 +24,8 @@ struct SceneArrays;
 std::optional<double> to_number(const toml::node& node);
 
 /// One table of a TOML file, read key by key. Each reader leaves its value unchanged if the key is
-/// absent, and remembers the key, so that refuse_unknown_keys can find the others. It has the
-/// members that `describe` of data/params/ expects of a visitor: describe(table, params) reads a
-/// parameter set.
+/// absent, and remembers the key, so that refuse_unknown_keys can find the others. It is a visitor of
+/// `describe` of data/params/: describe(table, params) reads a parameter set.
 ///
 /// Each value is checked against the range that its reader is given. Every Error starts with file:line:column.
 ///
@@ -68,36 +67,34 @@ class TomlTable {
     }
   }
 
-  void count(const char* key, int& value, const Range& range, const char* help = "");      ///< a whole number
-  void count(const char* key, int64_t& value, const Range& range, const char* help = "");  ///< a whole number
-  void number(const char* key, double& value, const Range& range, const char* help = "");  ///< a finite number
-  void flag(const char* key, bool& value, const char* help = "");                          ///< true or false
-  void text(const char* key, std::string& value);                                          ///< a text that is not empty
-  void length(const char* key, double& value, const Range& range, const char* help = "");  ///< "8 um"
-  void lengths(const char* key, std::vector<double>& value, const Range& range,
-               const char* = "");                                                         ///< "1 2 mm", a list
-  void angle(const char* key, double& value, const Range& range, const char* help = "");  ///< "15 deg"
-  void position(const char* key, Vec3& value, const Range& range_of_z,
-                const char* = "");                                                      ///< "0 0 300 mm" or three texts
-  void texts(const char* key, std::vector<std::string>& value, const char* help = "");  ///< a text or a list of them
-  void device(const char* key, DeviceChoice& value, const char* help = "");             ///< "opencl:1"
+  void operator()(const Parameter<int>& p) { count(p.name, p.value, p.range); }
+  void operator()(const Parameter<int64_t>& p) { count(p.name, p.value, p.range); }
+  void operator()(const Parameter<double>& p);
+  void operator()(const Parameter<bool>& p) { flag(p.name, p.value); }
+  void operator()(const Parameter<std::vector<double>>& p) { lengths(p.name, p.value, p.range); }
+  void operator()(const Parameter<Vec3>& p);                      ///< "0 0 300 mm" or three texts
+  void operator()(const Parameter<std::vector<std::string>>& p);  ///< a text or a list of them
+  void operator()(const Parameter<DeviceChoice>& p);              ///< "opencl:1"
+  template <class Enum>
+  void operator()(const Parameter<Enum>& p) {
+    std::string name;
+    text(p.name, name);
+    if (!name.empty()) locate(p.name, [&] { p.value = value_named(name, p); });
+  }
+
+  void count(const char* key, int& value, const Range& range);                    ///< a whole number
+  void count(const char* key, int64_t& value, const Range& range);                ///< a whole number
+  void number(const char* key, double& value, const Range& range);                ///< a finite number
+  void flag(const char* key, bool& value);                                        ///< true or false
+  void text(const char* key, std::string& value);                                 ///< a text that is not empty
+  void length(const char* key, double& value, const Range& range);                ///< "8 um"
+  void lengths(const char* key, std::vector<double>& value, const Range& range);  ///< "1 2 mm", a list
+  void angle(const char* key, double& value, const Range& range);                 ///< "15 deg"
 
   /// One of the names of an enumeration.
   template <class Enum>
-  void choice(const char* key, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices,
-              const char* = "") {
-    std::string name;
-    text(key, name);
-    if (name.empty()) return;
-    std::vector<std::string> names;
-    for (const Choice<Enum>& choice : choices) {
-      if (name == choice.name) {
-        value = choice.value;
-        return;
-      }
-      names.push_back(choice.name);
-    }
-    throw Error(where(key) + unknown_name_message(key, name, names));
+  void choice(const char* key, Enum& value, std::initializer_list<std::type_identity_t<Choice<Enum>>> choices) {
+    (*this)(holotrace::choice(key, value, choices, ""));
   }
 
   /// "0 0 -300 mm" or three texts

@@ -4,7 +4,7 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/image.h"
-#include "holotrace/data/params/choice.h"
+#include "holotrace/data/params/parameter.h"
 
 namespace holotrace {
 
@@ -17,12 +17,12 @@ struct RegisterParams {
 };
 
 template <class Visitor>
-void describe(Visitor& v, RegisterParams& p) {
-  v.number("smallest_scale", p.smallest_scale, range::not_negative,
+void describe(Visitor&& v, RegisterParams& p) {
+  v(number("smallest_scale", p.smallest_scale, range::not_negative,
            "smallest scale to try, in pixels of the photograph per pixel of the simulation; 0: from the "
-           "pictures' sizes");
-  v.number("largest_scale", p.largest_scale, range::not_negative, "largest scale to try; 0: from the pictures' sizes");
-  v.flag("offset", p.offset, "also fit a constant brightness of the photograph (stray light or dark level)");
+           "pictures' sizes"));
+  v(number("largest_scale", p.largest_scale, range::not_negative, "largest scale to try; 0: from the pictures' sizes"));
+  v(flag("offset", p.offset, "also fit a constant brightness of the photograph (stray light or dark level)"));
 }
 
 /// How `moving` depicts `fixed`:
