@@ -403,7 +403,8 @@ TEST(FocalStack, RefusesPlanesThatCannotBe) {
         << distance;
   EXPECT_NE(error({{}, LightFieldParams{0, 1, 0.3, {}}}).find("expected 1 to 32 columns and 1 to 24 rows of cells"),
             std::string::npos);
-  EXPECT_NE(error({{}, LightFieldParams{1, 1, 0.0, {}}}).find("expected the plane of the light field beside the panel"),
+  EXPECT_NE(error({{}, LightFieldParams{1, 1, 0.0, {}}})
+                .find("expected a light field in a plane other than those of the panel and the lens"),
             std::string::npos);
   EXPECT_NE(error({{}, LightFieldParams{32, 24, 0.3, Grid{40000, 40000, 1e-6}}}).find("memory"), std::string::npos);
 }

@@ -10,7 +10,7 @@
 
 namespace holotrace {
 
-// Nested uniform (Owen) scrambles of binary fractions, and the two sequences that low_discrepancy.h scrambles.
+// Nested uniform (Owen) scrambles of binary fractions, and the two sequences that are scrambled here.
 
 constexpr uint32_t reverse_bits(uint32_t v) {
   v = (v & 0x55555555) << 1 | (v >> 1 & 0x55555555);

@@ -8,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/check_ranges.h"
+#include "holotrace/run/eye_views.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
@@ -48,7 +49,7 @@ int64_t most_states(const Job& job, const std::vector<Viewpoint>& from) {
 void check_memory(const Job& job, size_t sets) {
   const Grid& panel = job.slm.grid;
   const double pixels = double(panel.pixels()), frames = job.trace.frames;
-  const std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
+  const std::vector<Viewpoint> from = viewpoints_of(job);
   const ViewingNeed need = viewing_need({job.slm, job.show, job.propagate, from}, job.wavelengths, job.encode.image,
                                         stop_of(job.encode, panel, job.wavelengths.front()),
                                         widest_part(plan_at(job, job.wavelengths.front(), from)));

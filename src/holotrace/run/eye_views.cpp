@@ -7,6 +7,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/target_planes.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
@@ -194,8 +195,9 @@ ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, do
   return view_from(eye, job, distance, wavelength, eye.eye);
 }
 
-std::vector<Viewpoint> viewpoints_beside(const Job& job) {
-  std::vector<Viewpoint> from;
+std::vector<Viewpoint> viewpoints_of(const Job& job) {
+  std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
+  if (!aims_at_eyes(job)) return from;
   for (const Vec3& eye : eyes_of(job.encode)) {
     CameraParams camera = job.camera;
     camera.pupil = pupil_of(job.encode);

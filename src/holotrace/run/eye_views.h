@@ -61,8 +61,8 @@ struct EyeboxLight {
 };
 EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames);
 
-/// For each eye of a job, the viewpoint of one on its right whose pupil touches the light of its eyebox from outside, at the first
-/// distance of the camera.
-std::vector<Viewpoint> viewpoints_beside(const Job& job);
+/// The viewpoints of a job: those of its camera (viewpoints.h); and for each eye, the one of an eye on its right whose pupil touches
+/// the light of its eyebox from outside, at the first distance of the camera.
+std::vector<Viewpoint> viewpoints_of(const Job& job);
 
 }  // namespace holotrace

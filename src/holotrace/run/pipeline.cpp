@@ -244,9 +244,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
       for (const std::string& warning : job.warnings) o.warn(warning);
       return job.warnings.size();
     });
-  b.viewpoints = viewpoints(job.camera, job.render);
-  if (aims_at_eyes(job))
-    for (const Viewpoint& beside : viewpoints_beside(job)) b.viewpoints.push_back(beside);
+  b.viewpoints = viewpoints_of(job);
   std::optional<SceneTargets> targets;
   SceneLight light;
   References made;

@@ -92,7 +92,8 @@ double view_in_colour(const Hologram& hologram, double wavelength, const Viewing
     for (const Span span : stages_of(from))
       repeat(from[span.begin].stage, [&](const Observer& o) {
         for (size_t i = span.begin; i < span.end; ++i) {
-          const Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
+          Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
+          if (from[i].kind == ViewKind::beside) part.on_warning = {};  // such an eye is outside of the light on purpose
           const Image view =
               look(shown, slm, from[i].distance, viewing.propagation, from[i].camera, part, state.source);
           if (all.size() == 1)

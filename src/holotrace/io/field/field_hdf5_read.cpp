@@ -95,7 +95,10 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside 
   std::vector<BasicField<Real>> stack;
   const std::string beside = sidecar_path(path);  // for programs that write no attributes
   std::error_code ignored;
-  nlohmann::json metadata = std::filesystem::exists(beside, ignored) ? read_metadata(beside) : nlohmann::json::object();
+  nlohmann::json metadata = nlohmann::json::object();
+  if (std::filesystem::exists(beside, ignored))
+    for (const auto& [key, value] : read_metadata(beside).items())
+      if (value.is_number() || value.is_array()) metadata[key] = value;
   const auto read = [&](ToParent& out) {
     const Silence silence;
     const Hdf5Dataset data(path, "field", outside, true);
@@ -109,8 +112,9 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside 
     const Head head = from.value<Head>();
     metadata.update(metadata_from_bytes(from.text(), path));
     // A child whose memory is damaged may send any numbers.
-    require(head.ny > 0 && head.nx > 0 && head.ny < 1 << 30 && head.nx < 1 << 30 && head.count < 1 << 30,
-            "{}: expected a field, but it is damaged", path);
+    require(
+        head.count > 0 && head.ny > 0 && head.nx > 0 && head.ny < 1 << 30 && head.nx < 1 << 30 && head.count < 1 << 30,
+        "{}: expected a field, but it is damaged", path);
     require_memory(double(head.count) * double(head.ny) * double(head.nx) * 2 * sizeof(Real), path);
     stack = stack_of<Real>(
         metadata, head.count, path,

@@ -25,7 +25,7 @@
 namespace holotrace {
 namespace {
 
-// Levels as the greys of a PNG (hologram_file.h has the formula), and the text inside it. Only hologram_file.cpp uses it.
+// Levels as the greys of a PNG (hologram_file.h has the formula), and the text inside it.
 
 /// The text of a PNG that holds the metadata of a hologram.
 constexpr const char* metadata_name = "holotrace";

@@ -112,11 +112,13 @@ std::vector<double> numbers_of_fields(const nlohmann::json& json, const char* ke
                                       const std::string& path, const std::string& how_to_add) {
   const auto found = json.find(key);
   require(found != json.end(), "{}: expected the key \"{}\", which is missing; {}", path, key, how_to_add);
-  const nlohmann::json list = found->is_number() ? nlohmann::json{*found} : *found;
+  const nlohmann::json list = found->is_number() ? nlohmann::json::array({*found}) : *found;
   const bool are_numbers =
       list.is_array() && std::all_of(list.begin(), list.end(), [](const auto& value) { return value.is_number(); });
-  require(are_numbers && list.size() == count,
-          "{}: expected {} number(s) in \"{}\", one per field of the stack, got {}", path, count, key, found->dump());
+  require(are_numbers, "{}: expected {} number(s) in \"{}\", one per field of the stack, got another kind of value",
+          path, count, key);
+  require(list.size() == count, "{}: expected {} number(s) in \"{}\", one per field of the stack, got {}", path, count,
+          key, list.size());
   return list.get<std::vector<double>>();
 }
 

@@ -9,6 +9,7 @@
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/run/check_job.h"
 #include "holotrace/run/estimate/small_panel.h"
+#include "holotrace/run/eye_views.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
@@ -86,9 +87,9 @@ Job on_small_panel(const Job& job, double side) {
   Job small = job;
   // Shorter distances need fewer wavelengths of a spectrum. A source and flicker need the same number at every scale.
   if (job.show.illumination_states == 0 && job.show.bandwidth > 0)
-    small.show.illumination_states = int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image,
-                                                           viewpoints(job.camera, job.render))
-                                             .states.size());
+    small.show.illumination_states =
+        int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image, viewpoints_of(job))
+                .states.size());
   Grid& panel = small.slm.grid;
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
@@ -225,7 +226,7 @@ double DisplayProbe::predict(double part) {
   encode_seconds_ = more > few ? 2 * (encode_seconds(one) + encode_seconds(longer)) : 0;
   // Views are named by their distances.
   std::map<std::string, std::string> names;
-  const auto from = viewpoints(job.camera, job.render), small_from = viewpoints(small.camera, small.render);
+  const auto from = viewpoints_of(job), small_from = viewpoints_of(small);
   for (size_t i = 0; i < from.size(); ++i) names[small_from[i].stage] = from[i].stage;
   stages.clear();
   double predicted = 0;

@@ -1,6 +1,8 @@
 #include "holotrace/wave/planes/plane_slabs.h"
 
+#ifndef __SANITIZE_THREAD__
 #include <tbb/parallel_sort.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +11,6 @@
 
 namespace holotrace {
 namespace {
-
-#ifdef __SANITIZE_THREAD__
-#else
-#endif
 
 /// Sorts in ascending order, on all threads; under the thread sanitizer on one thread. The sanitizer cannot follow how
 /// oneTBB's library passes parts of the sort to threads, and would report a data race.

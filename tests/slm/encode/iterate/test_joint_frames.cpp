@@ -105,8 +105,8 @@ TEST(JointFrames, TakeOneSampleOfAPixelOnlyIfTheTargetsAreSmooth) {
   EXPECT_EQ(part_of_light(SampleGroup::third), 4);
 }
 
-// A gain of 100 dB is never reached, so the iterations end one window after the first two. A window has each of four samples
-// equally often, and 10 updates or more: 12 for one plane.
+// A gain of 100 dB is never reached, so the iterations end one window after the first two. A window has 10 updates or more, and the
+// planes equally often: for two smooth planes with each of four single samples, 16; for one plane on both diagonals, 10.
 TEST(JointFrames, CompareWindowsOfAllSamplesToEndEarly) {
   const Slm slm = make_panel(32, 24);
   EncodeParams params = descent({0.01}, 100);
@@ -115,13 +115,16 @@ TEST(JointFrames, CompareWindowsOfAllSamplesToEndEarly) {
   even.z = 0.01;
   even.amplitude = Array2D<float>(24, 32, 1);
   even.wavelength = test_wavelength;
-  const auto iterations = [&](int frames) {
+  TargetPlane farther = even;
+  farther.z = 0.011;
+  const auto iterations = [&](int frames, const std::vector<TargetPlane>& planes) {
     Heard heard;
-    encode_frames({{even}}, test_wavelength, frames, slm, params, heard.observer());
+    encode_frames({planes}, test_wavelength, frames, slm, params, heard.observer());
     return std::get<int64_t>(heard.facts.at("iterations"));
   };
-  EXPECT_EQ(iterations(4), 3 * 12);
-  EXPECT_EQ(iterations(1), 3 * 12);
+  EXPECT_EQ(iterations(4, {even, farther}), 3 * 16);
+  EXPECT_EQ(iterations(1, {even, farther}), 3 * 16);
+  EXPECT_EQ(iterations(1, {even}), 3 * 10);
 }
 
 // A step of 0 is that of the start (frame_start.h): 0.1 rad for 50 iterations from a smooth one, 0.4 rad from random phases.
