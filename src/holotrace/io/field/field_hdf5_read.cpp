@@ -96,9 +96,11 @@ std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside 
   const std::string beside = sidecar_path(path);  // for programs that write no attributes
   std::error_code ignored;
   nlohmann::json metadata = nlohmann::json::object();
-  if (std::filesystem::exists(beside, ignored))
-    for (const auto& [key, value] : read_metadata(beside).items())
+  if (std::filesystem::exists(beside, ignored)) {
+    const nlohmann::json given = read_metadata(beside);
+    for (const auto& [key, value] : given.items())
       if (value.is_number() || value.is_array()) metadata[key] = value;
+  }
   const auto read = [&](ToParent& out) {
     const Silence silence;
     const Hdf5Dataset data(path, "field", outside, true);
