@@ -120,7 +120,8 @@ TEST_F(DevicesOfTheProgram, PropagateTheLightOfHolograms) {
   EXPECT_EQ(work_.read("scene/hologram.png"), work_.read("on_device/hologram.png"));
   const std::string report = work_.read("on_device/report.json");
   EXPECT_NE(report.find("\"device\": \""), std::string::npos) << report;
-  for (const Json& stage : Json::parse(report).at("stages"))
+  const Json stages = Json::parse(report).at("stages");
+  for (const Json& stage : stages)
     if (stage.at("stage") == "show") {
       EXPECT_TRUE(stage.contains("device")) << stage;
     }
@@ -158,7 +159,8 @@ TEST_F(DevicesOfTheProgram, RunScenesFromWavesToPictures) {
       const Outcome made = work_.run({"run", std::string(name) + ".toml", "-o", name});
       ASSERT_EQ(made.exit_code, 0) << made.err;
     }
-    for (const Json& stage : Json::parse(work_.read("on_device/report.json")).at("stages"))
+    const Json stages = Json::parse(work_.read("on_device/report.json")).at("stages");
+    for (const Json& stage : stages)
       if (stage.at("stage") == "encode" || stage.at("stage") == "show") {
         EXPECT_TRUE(stage.contains("device")) << stage;
       }
