@@ -170,7 +170,7 @@ void dither(const std::vector<uint8_t>& colours, int columns, IndexedPicture& pi
 /// cuts of the picture's colours (P. Heckbert, SIGGRAPH 1982), and the rest of each pixel is passed on to its
 /// neighbours (Floyd and Steinberg, 1976).
 /// @param colours  [row][column][R, G, B]
-IndexedPicture with_palette(const std::vector<uint8_t>& colours, int columns, int rows) {
+IndexedPicture indexed_picture(const std::vector<uint8_t>& colours, int columns, int rows) {
   IndexedPicture picture;
   picture.indices.resize(size_t(columns) * size_t(rows));
   if (is_exact(colours, picture)) return picture;
@@ -233,7 +233,7 @@ void write_gif(const std::string& path, int columns, int rows, const std::vector
           "{}: expected at most {} × {} pixels in a GIF, got {} × {}; use a larger pixel", path, most, most, columns,
           rows);
   std::vector<IndexedPicture> indexed;
-  for (const auto& colours : pictures) indexed.push_back(with_palette(colours, columns, rows));
+  for (const auto& colours : pictures) indexed.push_back(indexed_picture(colours, columns, rows));
   NewFile file(path);
   int reason = 0;
   Gif gif(EGifOpen(&file, put, &reason), [](GifFileType* one) { return EGifCloseFile(one, nullptr); });
