@@ -300,9 +300,8 @@ TEST(NpyFile, SidecarsAreChecked) {
             sidecar + ": expected the key \"pitch_m\", which is missing; add it, in SI units");
   EXPECT_EQ(error(R"({"pitch_m": "8 um", "wavelengths_m": [532e-9]})"),
             sidecar + ": expected a number for \"pitch_m\", got \"8 um\"");
-  EXPECT_EQ(
-      error(R"({"pitch_m": 8e-6, "wavelengths_m": [532e-9, 638e-9]})"),
-      sidecar + ": expected 1 number(s) in \"wavelengths_m\", one per field of the stack, got [5.32e-07,6.38e-07]");
+  EXPECT_EQ(error(R"({"pitch_m": 8e-6, "wavelengths_m": [532e-9, 638e-9]})"),
+            sidecar + ": expected 1 number(s) in \"wavelengths_m\", one per field of the stack, got 2");
   EXPECT_EQ(error(R"({"pitch_m": -8e-6, "wavelengths_m": [532e-9]})"),
             path + ": expected a pixel pitch above 0 m, got -8e-06 m; correct its metadata");
   EXPECT_EQ(error(R"({"pitch_m": 8e-6, "wavelengths_m": [0]})"),
