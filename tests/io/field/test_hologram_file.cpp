@@ -238,6 +238,16 @@ TEST(HologramFile, GreysThatAreNoLevelAreRefused) {
                 " or write the hologram again, without scaling or compression loss");
 }
 
+TEST(HologramFile, ACalibrationHasAsManyAmplitudesAsPhases) {
+  const std::string path = temporary("h.png");
+  save_hologram(path, all_levels(256, Modulation::phase));
+  test::set_png_text(path, "holotrace",
+                     R"({"pitch_m": 8e-6, "wavelength_m": 532e-9, "slm": {"design_wavelength_m": 0, "fill_factor": 1, )"
+                     R"("levels": 2, "effects": {"calibration": {"phase_rad": [0, 3.1], "amplitude": [1]}}}})");
+  EXPECT_EQ(error_of([&] { load_hologram(path); }),
+            path + ": expected as many calibrated amplitudes as phases, got 1 and 2; write the hologram again");
+}
+
 TEST(HologramFile, LevelsThatNoPanelHasAreRefused) {
   const std::string path = temporary("h.png");
   save_hologram(path, all_levels(256, Modulation::phase));
