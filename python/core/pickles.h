@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
@@ -27,9 +26,7 @@ void members(Archive& archive, ViewRecord& part) {
 /// The noun as bytes, headed by the version that they are for.
 template <class Noun>
 std::string to_bytes(const Noun& noun) {
-  Writer writer;
-  writer(std::string(HOLOTRACE_VERSION), noun);
-  return std::move(writer.sink.bytes);
+  return to_message(std::string(HOLOTRACE_VERSION), noun);
 }
 
 /// @throws Error  for bytes of another version, and for damaged ones

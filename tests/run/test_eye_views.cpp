@@ -64,5 +64,32 @@ TEST(EyeboxLight, IsWhereALensSendsIt) {
   expect(0, -1.0e-3, 0, 0, 0);
 }
 
+// The light of a box of 0.6 mm ends half a pupil of 1 mm beside it, at 0.8 mm; a pupil outside has its middle at 1.3 mm.
+TEST(ViewpointsOf, HaveOneBesideTheEyeboxOfEachEye) {
+  Job job;
+  job.slm = make_panel(256, 192);
+  job.wavelengths = {test_wavelength};
+  job.camera.distances = {0.3, 0.2};
+  EXPECT_EQ(viewpoints_of(job).size(), 2u);
+  job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::render;
+  job.encode.eye = {0.2e-3, 0.1e-3, 0.1, -4e-3, 0, 0.2};
+  job.encode.pupil = 1e-3;
+  job.encode.eyebox = {"0.6 mm"};
+  const std::vector<Viewpoint> from = viewpoints_of(job);
+  ASSERT_EQ(from.size(), 4u);
+  for (const size_t i : {2, 3}) {
+    EXPECT_EQ(from[i].kind, ViewKind::beside);
+    EXPECT_EQ(from[i].distance, 0.3);
+    EXPECT_EQ(from[i].camera.pupil, 1e-3);
+  }
+  EXPECT_NEAR(from[2].camera.eye.x, 1.5e-3, 1e-15);
+  EXPECT_EQ(from[2].camera.eye.y, 0.1e-3);
+  EXPECT_EQ(from[2].camera.eye.z, 0.1);
+  EXPECT_NEAR(from[3].camera.eye.x, -2.7e-3, 1e-15);
+  job.encode.eyebox = {"all"};
+  EXPECT_EQ(viewpoints_of(job).size(), 2u);
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -31,6 +31,27 @@ TEST(IlluminationPlan, CountsFromTheImageToThePupil) {
   EXPECT_EQ(plan_illumination(slm, show, wavelength, ImageSide::virtual_image, {from}, {}).needed, 8);
 }
 
+// A source of 0.01 rad moves the light by a tenth of a pupil of 1 mm at 10 mm: π/4·0.8² states, and by all of it at 100 mm.
+// An eye beside the eyebox there changes nothing for the others.
+TEST(IlluminationPlan, OfAnEyeBesideTheEyeboxIsThatOfTheOthers) {
+  Slm slm;
+  slm.grid = {1920, 1080, 8e-6};
+  ShowParams show;
+  show.source_angle = 0.01;
+  show.bandwidth = 10e-9;
+  CameraParams camera;
+  camera.pupil = 1e-3;
+  camera.eye = {0, 0, 0.01};
+  const Viewpoint from{ViewKind::distance, "look", 1.0, 0, camera};
+  camera.eye.z = 0.1;
+  const Viewpoint far{ViewKind::distance, "look", 1.0, 0, camera}, beside{ViewKind::beside, "beside", 1.0, 0, camera};
+  const auto needed = [&](const std::vector<Viewpoint>& views) {
+    return plan_illumination(slm, show, 532e-9, ImageSide::virtual_image, views, {}).needed;
+  };
+  EXPECT_EQ(needed({from, beside}), needed({from}));
+  EXPECT_GT(needed({from, far}), needed({from}));
+}
+
 // A pixel of 8 µm holds light of 532 nm up to asin(λ/2p) = 1.9°. The source's middle is within, its edge at 15° is not: that
 // is said before the first of many states is shown.
 TEST(IlluminationPlan, RefusesAStateThatThePixelsCannotHold) {

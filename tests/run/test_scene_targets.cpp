@@ -401,6 +401,10 @@ TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
   const Boxes boxes = run(job);
   const double for_eye = fact_of(boxes.report, "look", "psnr_db");
   ASSERT_EQ(boxes.views_beside.size(), 1u);
+  for (const StageReport& stage : boxes.report.stages)  // that it is outside of the light is its purpose
+    if (stage.stage == "look from beside the eyebox") {
+      EXPECT_TRUE(stage.warnings.empty()) << stage.warnings.front();
+    }
   const auto light_of = [](const Image& view) { return std::accumulate(view.values.begin(), view.values.end(), 0.0); };
   EXPECT_LT(light_of(boxes.views_beside[0]), 0.5 * light_of(boxes.views[0]));
   job.encode.eye = {};

@@ -361,7 +361,7 @@ TEST(Session, ShowsLevelsAmplitudesAndPhases) {
   for (const size_t i : {size_t(0), size_t(457), size_t(3000)})
     EXPECT_EQ(amplitudes.values[i], std::min(255, int(256 * std::abs(shown.samples.values[i]) / (2 * rms)))) << i;
   EXPECT_EQ(error_of([&] { session.panel(1, PanelQuantity::level, session.state_of({})); }),
-            "expected the number of a hologram below 1, got 1");
+            "expected a hologram number below 1, got 1");
 }
 
 TEST(Session, BoundsTheSensor) {

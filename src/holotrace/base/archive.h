@@ -134,7 +134,7 @@ class BasicWriter {
 };
 
 struct ByteString {
-  std::string bytes;
+  std::string& bytes;
   void put(const void* from, size_t size) { bytes.append(static_cast<const char*>(from), size); }
 };
 using Writer = BasicWriter<ByteString>;
@@ -241,9 +241,10 @@ class Reader {
 /// Values as the bytes of a message between processes, and back.
 template <class... Values>
 std::string to_message(const Values&... values) {
-  Writer writer;
+  std::string bytes;
+  Writer writer{{bytes}};
   writer(values...);
-  return std::move(writer.sink.bytes);
+  return bytes;
 }
 template <class... Values>
 void from_message(std::string_view bytes, Values&... values) {

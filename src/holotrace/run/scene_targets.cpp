@@ -53,7 +53,8 @@ void add_views_everywhere(const SceneTargets& targets, const Job& job, const std
   std::vector<OfWavelength<LightField>> lights;
   for (const double wavelength : wavelengths)
     lights.push_back({wavelength, {light_for_pupil(*targets.light_field, wavelength, pupil.diameter, pupil.centre.z)}});
-  set.draw_views = [job = &job, distances = targets.distances, lights](int update, double wavelength) {
+  set.draw_views = [job = &job, distances = targets.distances, lights = std::move(lights)](int update,
+                                                                                           double wavelength) {
     return draw_views_everywhere(lights_at(lights, wavelength).front(), *job, distances, update, wavelength);
   };
 }
@@ -71,7 +72,8 @@ void add_views_of_eyes(const SceneTargets& targets, const Job& job, const std::v
     }
   }
   for (const EyeLight& eye : targets.eyes) set.eyes.push_back(eye.eye);
-  set.draw_views = [job = &job, distances = targets.distances, lights](int update, double wavelength) {
+  set.draw_views = [job = &job, distances = targets.distances, lights = std::move(lights)](int update,
+                                                                                           double wavelength) {
     const std::vector<EyeLight>& eyes = lights_at(lights, wavelength);
     const int rounds = update / int(eyes.size());
     return draw_view_in_box(eyes[size_t(update) % eyes.size()], *job, distances, rounds, wavelength);

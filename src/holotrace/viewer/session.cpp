@@ -187,8 +187,8 @@ std::vector<size_t> Session::chosen(const ViewState& state) const {
   std::vector<size_t> items = state.shown;
   if (items.empty())
     for (size_t i = 0; i < contents_->items.size(); ++i) items.push_back(i);
-  require(items.back() < contents_->items.size(), "expected numbers of holograms below {}, got {}",
-          contents_->items.size(), items.back());
+  require(items.back() < contents_->items.size(), "expected hologram numbers below {}, got {}", contents_->items.size(),
+          items.back());
   return state.is_draft ? first_frames(items, contents_->items) : items;
 }
 

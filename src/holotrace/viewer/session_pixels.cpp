@@ -40,8 +40,8 @@ std::string Session::values(const ViewState& state, int column, int row, int col
 
 BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewState& state) {
   const std::lock_guard lock(mutex_);
-  require(number < contents_->items.size(), "expected the number of a hologram below {}, got {}",
-          contents_->items.size(), number);
+  require(number < contents_->items.size(), "expected a hologram number below {}, got {}", contents_->items.size(),
+          number);
   const ViewedItem& item = contents_->items[number];
   if (quantity == PanelQuantity::level && !item.field) {
     const Hologram& h = item.hologram;

@@ -144,7 +144,7 @@ TEST(HologramFile, KnowsHowItsRunLooked) {
        {std::tuple{"-0.002,0.25", "-0.002,-0.25", "a pupil and an eye's z of 0 m or more"},
         std::tuple{"[0.001,-0.002,0.25]", "[0.001,0.25]", "expected three numbers for \"eye_m\", got ["},
         std::tuple{"\"pupil_m\":0.003", "\"pupil_m\":\"3 mm\"", "expected a number for \"pupil_m\""},
-        std::tuple{"0.303]", "null]", "expected a number for \"distances_m\", got null"}}) {
+        std::tuple{"0.303]", "null]", "expected a number for \"distances_m[1]\", got null"}}) {
     ASSERT_NE(text.find(from), std::string::npos) << text;
     test::set_png_text(path, "holotrace", replace_all(text, from, to));
     for (const std::string& error : {error_of([&] { load_hologram(path); }), error_of([&] { viewing_of_file(path); })})

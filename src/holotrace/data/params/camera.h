@@ -60,7 +60,7 @@ void describe(Visitor&& v, CameraParams& p) {
           "field samples per sensor pixel and axis; 0: those of one panel pixel, or as many as pixel needs"));
   v(choice(
       "sampling", p.sampling, {{"integrate", PixelSampling::integrate}, {"point", PixelSampling::point}},
-      "what a sensor pixel reads: the irradiance over its whole area (integrate), or at its field samples only (point)"));
+      "irradiance that a sensor pixel reads: the mean over its area (integrate), or that at its field samples alone (point)"));
   v(number("exposure", p.exposure, range::not_negative,
            "irradiance shown as white in W/m2; 0: automatic, with white surfaces at 0.8 of white"));
   v(count("bits", p.bits, range::or_value(8, range::from_to(16, 16)), "bits per channel of a PNG"));

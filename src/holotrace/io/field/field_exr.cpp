@@ -47,7 +47,8 @@ Field read_field_exr(const std::string& path) {
     if (const auto text = picture->texts.find(name); text != picture->texts.end()) return text->second;
     return nullptr;
   };
-  Field field = stack_of<float>(from_flat_metadata(all_metadata<Field>(), find), 1, path)[0];
+  Field field = stack_of<float>(from_flat_metadata(all_metadata<Field>(), find), 1, path,
+                                "add it in SI units, as an attribute")[0];
   take_samples(field, std::move(samples));
   return field;
 }

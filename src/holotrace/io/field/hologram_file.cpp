@@ -272,9 +272,10 @@ ViewingConditions viewing_of_file(const std::string& path) {
   const nlohmann::json json = beside.empty() ? parse_metadata(text, path) : read_metadata(beside);
   ViewingConditions viewing;
   if (json.contains("viewing")) {
-    MetadataReader reader(json["viewing"], beside.empty() ? path : beside);
+    const std::string& place = beside.empty() ? path : beside;
+    MetadataReader reader(json["viewing"], place);
     members(reader, viewing);
-    check_viewing(viewing, path);
+    check_viewing(viewing, place);
   }
   return viewing;
 }

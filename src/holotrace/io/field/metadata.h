@@ -161,7 +161,10 @@ class MetadataReader {
   void from(const nlohmann::json& json, const char* name, std::vector<T>& values) const {
     expect(json.is_array(), "a list", json, name);
     values.clear();
-    for (const nlohmann::json& item : json) from(item, name, values.emplace_back());
+    for (const nlohmann::json& item : json) {
+      const std::string place = fmt::format("{}[{}]", name, values.size());
+      from(item, place.c_str(), values.emplace_back());
+    }
   }
   template <class T>
   void from(const nlohmann::json& json, const char* name, T& value) const {

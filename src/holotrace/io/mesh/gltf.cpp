@@ -169,7 +169,7 @@ GltfFile read_gltf(const std::string& path, Outside outside) {
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but it is damaged ({}); export it again", path, reason(e));
   } catch (const std::out_of_range&) {
-    fail("{}: expected the numbers of nodes that the file has, got a larger one; export it again", path);
+    fail("{}: expected node numbers below that of the nodes in the file, got a larger one; export it again", path);
   }
   return gltf;
 }
@@ -201,7 +201,7 @@ std::string_view gltf_view(const GltfFile& gltf, size_t index) {
   const Json& view = gltf.document.at("bufferViews").at(index);
   const auto number = gltf_count(gltf, view.at("buffer"));
   require(number < gltf.buffers.size(),
-          "{}: expected numbers of buffers below {}, got {} in buffer view {}; export it again", gltf.path,
+          "{}: expected buffer numbers below {}, got {} in buffer view {}; export it again", gltf.path,
           gltf.buffers.size(), number, index);
   const std::string& whole = gltf.buffers[number];
   const auto begin = gltf_count(gltf, view, "byteOffset", 0), size = gltf_count(gltf, view.at("byteLength"));

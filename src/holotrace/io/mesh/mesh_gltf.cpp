@@ -147,7 +147,7 @@ class GltfReader {
       for (size_t i = 0; i < numbers.size(); ++i) {
         if (!(weights[i] > 0)) continue;
         require(numbers[i] >= 0 && numbers[i] < double(joints.size()),
-                "{}: expected numbers of joints below {} in mesh \"{}\", got {}; export it again", reader_.path(),
+                "{}: expected joint numbers below {} in mesh \"{}\", got {}; export it again", reader_.path(),
                 joints.size(), mesh.name, numbers[i]);
         moves[i / 4].add(joints[size_t(numbers[i])], weights[i]);
       }

@@ -62,7 +62,7 @@ class FrameArrays {
   virtual void clear_slopes() = 0;
   virtual void step(const DriveStep& step) = 0;
 
-  /// Frees what only steps need. No more of them follow.
+  /// Frees what only steps need. Neither steps nor state() may follow.
   virtual void end_steps() {}
 
   /// Writes the rounded levels.

@@ -36,6 +36,7 @@ enum class FrameOrder : int32_t {
   add,
   clear_slopes,
   step,
+  end_steps,
   leave,
   plane_sums,
   add_gradient,

@@ -105,6 +105,8 @@ void obey(Member& member, const FrameOrderMessage& message) {
       return arrays.clear_slopes();
     case FrameOrder::step:
       return arrays.step(message.step);
+    case FrameOrder::end_steps:
+      return arrays.end_steps();
     case FrameOrder::leave:
       return colour().light->leave(message.detail);
     case FrameOrder::plane_sums:

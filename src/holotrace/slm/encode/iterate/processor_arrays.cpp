@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "holotrace/base/error.h"
 #include "holotrace/base/memory.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/slm/encode/iterate/processor_light.h"
@@ -33,6 +34,7 @@ ProcessorFrames::ProcessorFrames(const Slm& slm, const EncodeParams& params, con
 }
 
 void ProcessorFrames::prepare_steps() {
+  require(!have_steps_ended_, "expected no step and no state of a descent after its end");
   if (!frames_.empty()) return;
   for (const Drive& start : rounded_) {
     frames_.push_back({start, Drive::like(start), Drive::like(start)});
@@ -74,6 +76,7 @@ void ProcessorFrames::step(const DriveStep& step) {
 void ProcessorFrames::end_steps() {
   frames_ = {};
   slopes_ = {};
+  have_steps_ended_ = true;
 }
 
 void ProcessorFrames::write(std::vector<Hologram>& frames) const {

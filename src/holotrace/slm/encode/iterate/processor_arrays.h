@@ -43,6 +43,7 @@ class ProcessorFrames : public FrameArrays {
   OtherFrames others_;
   std::vector<Drive> rounded_, slopes_;  // of each frame
   std::vector<Frame> frames_;            // empty until the first step: frames that are only judged need none
+  bool have_steps_ended_ = false;
 };
 
 /// @param processes  of this machine that each have so many frames

@@ -161,6 +161,11 @@ void SharedFrames::step(const DriveStep& step) {
   own_->step(step);
 }
 
+void SharedFrames::end_steps() {
+  order(to_message(FrameOrderMessage{.order = FrameOrder::end_steps}));
+  own_->end_steps();
+}
+
 void SharedFrames::write(std::vector<Hologram>& frames) const {
   order(to_message(FrameOrderMessage{.order = FrameOrder::write}));
   std::vector<Hologram> own(frames.begin(), frames.begin() + std::ptrdiff_t(ranges_.front().count()));

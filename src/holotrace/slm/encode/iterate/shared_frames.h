@@ -43,7 +43,7 @@ class SharedFrames : public FrameArrays {
   std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
-  void end_steps() override { own_->end_steps(); }
+  void end_steps() override;
   void write(std::vector<Hologram>& frames) const override;
   std::vector<Array2D<float>> state() override;
   void restore(const std::vector<Array2D<float>>& state) override;
