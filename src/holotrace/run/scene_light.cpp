@@ -53,8 +53,8 @@ std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const G
   if (!light.gathered.empty()) {
     for (const std::vector<Field>& frames : light.gathered) {
       require(frame < frames.size(),
-              "expected a frame number below {}, as many as were gathered, got {}; use more frames",
-              frames.size(), frame);
+              "expected a frame number below {}, as many as were gathered, got {}; use more frames", frames.size(),
+              frame);
       fields.emplace_back(frames[frame]);
     }
     return fields;
