@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
@@ -20,7 +21,6 @@
 #include "holotrace/io/report_file.h"
 #include "holotrace/run/convergence.h"
 #include "holotrace/run/encode_job.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
 #include "rank_links.h"
 #include "say.h"
@@ -99,7 +99,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     const bool is_stack = is_focal_stack_file(o->input),
                is_field = !is_stack && (!has_image_ending(o->input) || is_field_file(o->input));
     params.method = method_or(params.method, is_stack ? Encoding::sgd : Encoding::phase);
-    require(o->plot.empty() || aims_at_targets(params.method),
+    require(o->plot.empty() || traits_of(params.method).aims_at_targets,
             "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
             "leave it out, or use one of these");
     const Checkpoints checkpoints(o->checkpoint);

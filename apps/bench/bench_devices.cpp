@@ -103,11 +103,12 @@ BenchRow bench_propagation_on_device(const BenchOptions& options) {
   const Grid panel = bench_panel(options);
   const Field field = timed_field(panel);
   const auto propagator = make_propagator<float>(panel, 532_nm, 0.3_m);
-  DevicePropagator on_device(open_device(options.device.number), propagator);
+  Device& device = open_device(options.device.number);
+  DevicePropagator on_device(device, propagator);
   return time_on_device(options, {"propagate",
                                   fmt::format("{}x{} padded {}x{}, float", panel.nx, panel.ny, propagator.padded_nx,
                                               propagator.padded_ny),
-                                  on_device.cost().moved, [&] { on_device(field); }});
+                                  device_propagation_cost(device, propagator).moved, [&] { on_device(field); }});
 }
 
 std::vector<Hologram> random_frames(const Slm& slm, double wavelength, int frames) {

@@ -6,13 +6,13 @@
 
 #include "bench/bench.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/estimate/encoder_quality.h"
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/estimate/machine/timed_jobs.h"
 #include "holotrace/estimate/test_picture.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
 
 namespace holotrace {
@@ -43,7 +43,8 @@ BenchRow bench_quality(const QualityJob& job) {
   Hologram hologram;
   BenchRow row{.stage = job.name, .runs = 1};
   row.seconds = median_seconds(1, [&] {
-    hologram = aims_at_targets(job.method) ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
+    hologram = traits_of(job.method).aims_at_targets ? encode_targets(targets, field, slm, params)
+                                                     : encode(field, slm, params);
   });
   const EncoderQuality quality = encoder_quality(targets[0], hologram, slm, {.effects = job.effects});
   const EncoderQuality at_points =

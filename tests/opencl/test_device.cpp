@@ -47,6 +47,42 @@ TEST_P(Devices, RunKernelsOnTheirMemory) {
   EXPECT_EQ(device_.use().kernels - before.kernels, 2u);
 }
 
+// A device that only counts has the use of the one that it forecasts, which it leaves alone: no kernel runs, what is read stays as
+// it was, and what is fetched are ones. It never lacks memory, but tells how much there is.
+TEST_P(Devices, AreForecastByOneThatOnlyCounts) {
+  Device counter(device_.info(), 1000);
+  const DeviceUse before = device_.use();
+  const auto work = [](Device& device) {
+    std::vector<float> values = numbers(64);
+    const DeviceBuffer one = device.upload(values, "numbers"), other = device.make_buffer(100, "numbers");
+    device.run(scale, {4, 1, 16, 1}, {KernelArgument::changed(one), 2.0F, 64});
+    device.run(scale, {1, 1, 16, 1}, {KernelArgument::moving(one, 48), 2.0F, 6});
+    device.run(scale, {1, 1, 16, 1}, {other, 2.0F, 16});
+    device.read(one, values.data(), 128);
+    device.finish();
+    return std::pair(values, device.fetch<float>(other));
+  };
+  const auto [read, fetched] = work(counter);
+  EXPECT_EQ(read, numbers(64));
+  EXPECT_EQ(fetched, std::vector<float>(25, 1));
+  const DeviceUse forecast = counter.use();
+  EXPECT_EQ(forecast.bytes_moved, 2u * 256 + 48 + 100);
+  EXPECT_EQ(forecast.most_held, 356u);
+  EXPECT_EQ(forecast.largest_buffer, 256u);
+  EXPECT_EQ(forecast.bytes_held, 0u);
+  EXPECT_EQ(device_.use().kernels, before.kernels);
+  EXPECT_NE(work(device_).first, numbers(64));
+  const DeviceUse after = device_.use();
+  EXPECT_EQ(after.kernels - before.kernels, forecast.kernels);
+  EXPECT_EQ(after.bytes_moved - before.bytes_moved, forecast.bytes_moved);
+  EXPECT_EQ(after.bytes_in - before.bytes_in, forecast.bytes_in);
+  EXPECT_EQ(after.bytes_out - before.bytes_out, forecast.bytes_out);
+  EXPECT_EQ(after.transfers - before.transfers, forecast.transfers);
+  const DeviceBuffer large = counter.make_buffer(5000, "numbers");
+  EXPECT_DOUBLE_EQ(counter.memory(), 1000);
+  EXPECT_DOUBLE_EQ(counter.memory_left(), -4000);
+}
+
 // More groups along y and z than some makers' devices take at once are started in two parts: each place gets its work once.
 TEST_P(Devices, StartManyGroupsInParts) {
   const Kernel count{"count",

@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "support/targets.h"

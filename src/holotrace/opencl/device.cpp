@@ -36,6 +36,7 @@ struct Device::State {
   cl_context context = nullptr;
   cl_command_queue queue = nullptr;
   std::unique_ptr<Programs> programs;
+  bool only_counts = false;
   DeviceUse use;                       // but for bytes_held
   std::atomic<size_t> bytes_held = 0;  // forecasts read it while others use the device
   double memory = 0;                   // that the device is said to have
@@ -82,7 +83,21 @@ Device::Device(const DeviceInfo& info) : info_(info), state_(std::make_unique<St
   s.programs = std::make_unique<Programs>(info_, s.handles.device, s.context);
 }
 
+Device::Device(const DeviceInfo& info, double free_memory) : info_(info), state_(std::make_unique<State>()) {
+  state_->only_counts = true;
+  state_->memory = free_memory / usable;
+}
+
 Device::~Device() = default;
+
+void Device::count(size_t bytes, DeviceBuffer& buffer) {
+  State& s = *state_;
+  buffer.bytes_ = bytes;
+  s.bytes_held += bytes;
+  s.use.most_held = std::max(s.use.most_held, s.bytes_held.load());
+  s.use.largest_buffer = std::max(s.use.largest_buffer, bytes);
+  ++s.use.buffers;
+}
 
 DeviceBuffer Device::make_buffer(size_t bytes, const std::string& what) {
   const OpenClApi& api = opencl_api();
@@ -91,17 +106,20 @@ DeviceBuffer Device::make_buffer(size_t bytes, const std::string& what) {
     fail("expected {} of memory for {} on the device {}, got {}; use a smaller panel or fewer waves, or the device cpu",
          format_bytes(double(bytes)), what, info_.name, got);
   };
+  DeviceBuffer buffer;
+  if (s.only_counts) {
+    buffer.device_ = this;
+    count(bytes, buffer);
+    return buffer;
+  }
   if (double(bytes) > free_memory()) fail_for_memory(format_bytes(std::max(0.0, free_memory())) + " that are free");
   const size_t edge = s.has_guards ? guard_bytes : 0, size = std::max<size_t>(bytes, 1);
-  DeviceBuffer buffer;
   cl_int status = CL_SUCCESS;
   buffer.whole_ = api.clCreateBuffer(s.context, CL_MEM_READ_WRITE, size + 2 * edge, nullptr, &status);
   if (status != CL_SUCCESS) fail_for_memory(status_name(status));
   buffer.memory_ = buffer.whole_;
   buffer.device_ = this;  // from here on it is released on every way out
-  buffer.bytes_ = bytes;
-  s.bytes_held += bytes;
-  ++s.use.buffers;
+  count(bytes, buffer);
   if (edge == 0) return buffer;
   const cl_buffer_region region{edge, size};
   buffer.memory_ = api.clCreateSubBuffer(memory_of(buffer.whole_), CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION,
@@ -133,7 +151,7 @@ void Device::release(DeviceBuffer& buffer) noexcept {
     }
     api.clReleaseMemObject(memory_of(buffer.memory_));
   }
-  api.clReleaseMemObject(memory_of(buffer.whole_));
+  if (buffer.whole_) api.clReleaseMemObject(memory_of(buffer.whole_));
   s.bytes_held -= buffer.bytes_;
   --s.use.buffers;
   buffer.device_ = nullptr;
@@ -143,25 +161,32 @@ void Device::write(const DeviceBuffer& to, const void* from, size_t bytes) {
   if (bytes == 0) return;
   State& s = *state_;
   require(bytes <= to.bytes_, "expected at most {} bytes for a buffer, got {}; please report it", to.bytes_, bytes);
+  s.use.bytes_in += bytes;
+  ++s.use.transfers;
+  if (s.only_counts) return;
   const cl_int status =
       opencl_api().clEnqueueWriteBuffer(s.queue, memory_of(to.memory_), CL_TRUE, 0, bytes, from, 0, nullptr, nullptr);
   if (status != CL_SUCCESS) fail_as_lost(info_, "a transfer", status);
-  s.use.bytes_in += bytes;
 }
 
 void Device::read(const DeviceBuffer& from, void* to, size_t bytes) {
   if (bytes == 0) return;
   State& s = *state_;
   require(bytes <= from.bytes_, "expected at most {} bytes of a buffer, got {}; please report it", from.bytes_, bytes);
+  s.use.bytes_out += bytes;
+  ++s.use.transfers;
+  if (s.only_counts) return;
   const cl_int status =
       opencl_api().clEnqueueReadBuffer(s.queue, memory_of(from.memory_), CL_TRUE, 0, bytes, to, 0, nullptr, nullptr);
   if (status != CL_SUCCESS) fail_as_lost(info_, "a transfer", status);
-  s.use.bytes_out += bytes;
 }
 
 void Device::run(const Kernel& kernel, const WorkSize& size, std::initializer_list<KernelArgument> arguments) {
-  const OpenClApi& api = opencl_api();
   State& s = *state_;
+  ++s.use.kernels;
+  for (const KernelArgument& argument : arguments) s.use.bytes_moved += argument.moved();
+  if (s.only_counts) return;
+  const OpenClApi& api = opencl_api();
   const cl_kernel compiled = s.programs->find(kernel);
   cl_uint index = 0;
   for (const KernelArgument& argument : arguments) {
@@ -180,10 +205,10 @@ void Device::run(const Kernel& kernel, const WorkSize& size, std::initializer_li
       const cl_int status = api.clEnqueueNDRangeKernel(s.queue, compiled, 3, start, all, group, 0, nullptr, nullptr);
       if (status != CL_SUCCESS) fail_as_lost(info_, kernel.name, status);
     }
-  ++s.use.kernels;
 }
 
 void Device::finish() {
+  if (state_->only_counts) return;
   const cl_int status = opencl_api().clFinish(state_->queue);
   if (status != CL_SUCCESS) fail_as_lost(info_, "its kernels", status);
 }

@@ -59,26 +59,42 @@ struct WorkSize {
 /// the call of Device::run only.
 class KernelArgument {
  public:
-  KernelArgument(const DeviceBuffer& buffer) : value_(&buffer.memory_), bytes_(sizeof buffer.memory_) {}
+  KernelArgument(const DeviceBuffer& buffer)
+      : value_(&buffer.memory_), bytes_(sizeof buffer.memory_), moved_(buffer.bytes()) {}
   template <class Value>
   requires std::is_trivially_copyable_v<Value> KernelArgument(const Value& value)
       : value_(&value), bytes_(sizeof value) {}
 
+  /// A buffer of which the kernel reads and writes other than all of its bytes once.
+  static KernelArgument moving(const DeviceBuffer& buffer, size_t bytes) {
+    KernelArgument argument(buffer);
+    argument.moved_ = bytes;
+    return argument;
+  }
+  /// A buffer whose values the kernel reads and writes.
+  static KernelArgument changed(const DeviceBuffer& buffer) { return moving(buffer, 2 * buffer.bytes()); }
+
   const void* value() const { return value_; }
   size_t bytes() const { return bytes_; }
+  /// What the kernel reads and writes of it [bytes].
+  size_t moved() const { return moved_; }
 
  private:
   const void* value_;
-  size_t bytes_;
+  size_t bytes_, moved_ = 0;
 };
 
 /// What a device has done for this program.
 struct DeviceUse {
-  size_t bytes_held = 0;  ///< memory of its buffers
-  size_t buffers = 0;     ///< number of its buffers
-  size_t bytes_in = 0;    ///< sent to it
-  size_t bytes_out = 0;   ///< fetched from it
-  size_t kernels = 0;     ///< calls of kernels
+  size_t bytes_held = 0;      ///< memory of its buffers
+  size_t most_held = 0;       ///< the most of it so far
+  size_t largest_buffer = 0;  ///< bytes of the largest one so far
+  size_t buffers = 0;         ///< number of its buffers
+  size_t bytes_in = 0;        ///< sent to it
+  size_t bytes_out = 0;       ///< fetched from it
+  size_t transfers = 0;       ///< number of both
+  size_t kernels = 0;         ///< calls of kernels
+  size_t bytes_moved = 0;     ///< read and written by kernels (KernelArgument), if caches hold nothing
 };
 
 /// A device with one queue: what it is asked to do is done in this order. One thread may use it at a time; it holds
@@ -90,6 +106,9 @@ class Device {
  public:
   /// For open_device.
   explicit Device(const DeviceInfo& info);
+  /// A device of the same kind that only counts: an algorithm that is run on it forecasts its `use` of a real one with that
+  /// memory [bytes]. Buffers have a size but no content, kernels are not run, and what is read stays as it was.
+  Device(const DeviceInfo& info, double free_memory);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -109,6 +128,13 @@ class Device {
   }
   void write(const DeviceBuffer& to, const void* from, size_t bytes);
   void read(const DeviceBuffer& from, void* to, size_t bytes);
+  /// The values of a buffer; ones from a device that only counts.
+  template <class Value>
+  std::vector<Value> fetch(const DeviceBuffer& from) {
+    std::vector<Value> values(from.bytes() / sizeof(Value), Value(1));
+    read(from, values.data(), from.bytes());
+    return values;
+  }
 
   /// Starts a kernel, which is compiled when it is first called.
   void run(const Kernel& kernel, const WorkSize& size, std::initializer_list<KernelArgument> arguments);
@@ -134,6 +160,7 @@ class Device {
 
  private:
   friend class DeviceBuffer;
+  void count(size_t bytes, DeviceBuffer& buffer);
   void release(DeviceBuffer& buffer) noexcept;
 
   struct State;

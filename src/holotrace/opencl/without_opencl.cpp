@@ -20,6 +20,7 @@ DeviceBuffer& DeviceBuffer::operator=(DeviceBuffer&&) noexcept { return *this; }
 DeviceBuffer::~DeviceBuffer() = default;
 
 Device::Device(const DeviceInfo&) { fail_without(); }
+Device::Device(const DeviceInfo&, double) { fail_without(); }
 Device::~Device() = default;
 DeviceBuffer Device::make_buffer(size_t, const std::string&) { fail_without(); }
 void Device::release(DeviceBuffer&) noexcept {}

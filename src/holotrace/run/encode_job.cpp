@@ -5,9 +5,9 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/run/eye_views.h"
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/view/combine_views.h"
 
@@ -46,17 +46,17 @@ void tell_light_of_eyes(const Job& job, const std::vector<Hologram>& frames, con
 EncodeJob job_of_fields(std::vector<Field> fields, const EncodeParams& params) {
   require(!fields.empty(), "expected one field or more to encode, got none");
   EncodeJob job{.wavelengths = {}, .targets = {}, .fields = std::move(fields), .is_of_fields = true};
-  if (aims_at_targets(params.method)) job.distances = params.target_distances;
+  if (traits_of(params.method).aims_at_targets) job.distances = params.target_distances;
   for (const Field& field : job.fields) {
     job.wavelengths.push_back(field.wavelength);
-    if (aims_at_targets(params.method)) job.targets.push_back({targets_of(field, params)});
+    if (traits_of(params.method).aims_at_targets) job.targets.push_back({targets_of(field, params)});
   }
   return joined(std::move(job), params);
 }
 
 EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector<double>& wavelengths,
                          const EncodeParams& params, const Observer& observer) {
-  require(params.target_distances.size() <= 1 || aims_at_targets(params.method),
+  require(params.target_distances.size() <= 1 || traits_of(params.method).aims_at_targets,
           "expected one target distance for a picture and this method, got {}; give "
           "one, or use sgd or gerchberg-saxton, which take several",
           params.target_distances.size());
@@ -116,7 +116,7 @@ std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& sl
       std::vector<Hologram> found;
       if (job.fields.empty())
         found = encode_frames(job.targets[i], job.wavelengths[i], frames, slm, params, observer, kept, job.links);
-      else if (aims_at_targets(params.method))
+      else if (traits_of(params.method).aims_at_targets)
         found = {encode_targets(job.targets[i].planes, job.fields[i], slm, params, observer, kept)};
       else
         found = {encode(job.fields[i], slm, params, observer)};

@@ -8,6 +8,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/data/view_place.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/common_exposure.h"
@@ -23,7 +24,6 @@
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/combine_views.h"
@@ -36,7 +36,8 @@ namespace {
 // Iterations use the camera's distances unless the job names others.
 EncodeParams encoding_of(const Job& job) {
   EncodeParams params = job.encode;
-  if (aims_at_targets(params.method) && params.target_distances.empty()) params.target_distances = job.camera.distances;
+  if (traits_of(params.method).aims_at_targets && params.target_distances.empty())
+    params.target_distances = job.camera.distances;
   return params;
 }
 
@@ -128,7 +129,7 @@ class Showing {
 // too, and return.
 std::vector<PlacedField> fields_to_encode(const SceneLight& light, uint32_t frame, const Job& job,
                                           const Observer& observer) {
-  if (job.encode.device.kind != DeviceKind::cpu && encodes_on_devices(job.encode.method))
+  if (job.encode.device.kind != DeviceKind::cpu && traits_of(job.encode.method).is_pointwise)
     return placed_fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer, frame == 0);
   std::vector<PlacedField> fields;
   for (Field& field : fields_of_frame(light, frame, job.slm.grid, job.synthesize, observer))

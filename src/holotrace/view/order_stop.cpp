@@ -109,28 +109,41 @@ std::vector<std::complex<float>> floats(const std::vector<std::complex<double>>&
 
 constexpr double sample_bytes = sizeof(std::complex<float>);
 
-DeviceStopCost cost_of(const Stop& stop, const Device& device) {
-  const double in = double(stop.from.pixels()), out = double(stop.window.pixels());
-  DeviceStopCost cost;
+// Only the columns of the spectrum that pass are transformed.
+DeviceField behind_stop(const DeviceField& field, const SpectralFilter& filter, int margin, const Observer& observer) {
+  const Stop stop(field.head.grid, filter, margin);
+  const Grid &from = stop.from, &window = stop.window;
+  Device& device = *field.device;
+  DeviceField out = make_device_field(device, head_behind(field.head, window));
   if (stop.is_closed()) {
-    cost.moved = cost.memory = sample_bytes * out;
-    return cost;
+    clear(out);
+    tell_power(1, 0, observer);
+    return out;
   }
-  const int nx = stop.x.n, ny = stop.y.n, columns = stop.x.count, rows = stop.window.ny;
-  const double of_columns = double(columns) * (double(stop.from.ny) + rows);
-  // Each array is written and read once, but those of columns twice. The powers need both fields again.
-  double samples = 2 * (in + out) + 4 * of_columns;
-  samples += 2.0 * nx * line_transform_passes(device, nx) * (double(stop.from.ny) + rows);
-  samples += 2.0 * ny * line_transform_passes(device, ny, true) * columns;
-  cost.moved = sample_bytes * samples;
-  // The light, its columns, the tables, and the twiddle factors; then the work space of a transform, or sums of rows.
-  const double tables = double(stop.window.nx) + rows + ny + nx + (nx == ny ? 0 : ny);
-  const auto work = [&](int length, int lines) {
-    return line_transform_bytes(device, length, lines) - sample_bytes * length;
+  const auto factors = [&](const std::vector<std::complex<float>>& values) { return device.upload(values, "a stop"); };
+  const Carriers carriers(window, filter);
+  const DeviceBuffer along_x = factors(floats(carriers.x, 1 / stop.samples_of_period()));
+  const DeviceBuffer along_y = factors(floats(carriers.y, 1));
+  std::vector<std::complex<float>> open(size_t(stop.y.n));
+  for (int j = 0; j < stop.y.n; ++j) open[size_t(j)] = stop.y.holds(j) ? 1 : 0;
+  const DeviceBuffer rows_open = factors(open);
+  const int columns = stop.x.count;
+  const auto make = [&](int rows) {
+    return device.make_buffer(size_t(rows) * size_t(columns) * sizeof open[0], "a stop");
   };
-  cost.memory = sample_bytes * (out + of_columns + double(columns) * rows + tables) +
-                std::max({work(nx, rows), work(ny, columns), sizeof(float) * double(rows)});
-  return cost;
+  const DeviceBuffer rows = make(window.ny), by_column = make(from.ny), filtered = make(window.ny);
+  LineTransforms lines(device);
+  lines.run({stop.x.n, FftDirection::forward, {from.nx, margin}, {columns, stop.x.first}}, from.ny, field.samples,
+            rows);
+  lines.transpose(from.ny, columns, rows, by_column);
+  lines.run({stop.y.n, FftDirection::forward, {from.ny, margin}, {window.ny, 0, {&along_y}}, {&rows_open}}, columns,
+            by_column, filtered);
+  lines.transpose(columns, window.ny, filtered, rows);
+  lines.run({stop.x.n, FftDirection::backward, {columns, stop.x.first}, {window.nx, 0, {&along_x}}}, window.ny, rows,
+            out.samples);
+  device.finish();
+  tell_power(power(field), power(out), observer);
+  return out;
 }
 
 }  // namespace
@@ -167,46 +180,6 @@ Field apply_order_stop(const Field& field, const SpectralFilter& filter, int mar
   return out;
 }
 
-// Only the columns of the spectrum that pass are transformed.
-DeviceField apply_order_stop(const DeviceField& field, const SpectralFilter& filter, int margin,
-                             const Observer& observer) {
-  const Stop stop(field.head.grid, filter, margin);
-  const Grid &from = stop.from, &window = stop.window;
-  Device& device = *field.device;
-  const auto lock = device.lock();
-  make_room(device, cost_of(stop, device).memory);
-  DeviceField out = make_device_field(device, head_behind(field.head, window));
-  if (stop.is_closed()) {
-    clear(out);
-    tell_power(1, 0, observer);
-    return out;
-  }
-  const auto factors = [&](const std::vector<std::complex<float>>& values) { return device.upload(values, "a stop"); };
-  const Carriers carriers(window, filter);
-  const DeviceBuffer along_x = factors(floats(carriers.x, 1 / stop.samples_of_period()));
-  const DeviceBuffer along_y = factors(floats(carriers.y, 1));
-  std::vector<std::complex<float>> open(size_t(stop.y.n));
-  for (int j = 0; j < stop.y.n; ++j) open[size_t(j)] = stop.y.holds(j) ? 1 : 0;
-  const DeviceBuffer rows_open = factors(open);
-  const int columns = stop.x.count;
-  const auto make = [&](int rows) {
-    return device.make_buffer(size_t(rows) * size_t(columns) * sizeof open[0], "a stop");
-  };
-  const DeviceBuffer rows = make(window.ny), by_column = make(from.ny), filtered = make(window.ny);
-  LineTransforms lines(device);
-  lines.run({stop.x.n, FftDirection::forward, {from.nx, margin}, {columns, stop.x.first}}, from.ny, field.samples,
-            rows);
-  lines.transpose(from.ny, columns, rows, by_column);
-  lines.run({stop.y.n, FftDirection::forward, {from.ny, margin}, {window.ny, 0, {&along_y}}, {&rows_open}}, columns,
-            by_column, filtered);
-  lines.transpose(columns, window.ny, filtered, rows);
-  lines.run({stop.x.n, FftDirection::backward, {columns, stop.x.first}, {window.nx, 0, {&along_x}}}, window.ny, rows,
-            out.samples);
-  device.finish();
-  tell_power(power(field), power(out), observer);
-  return out;
-}
-
 OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, int margin) {
   const Stop stop(grid, filter, margin);
   const double nx = stop.x.n, ny = stop.y.n;
@@ -218,7 +191,20 @@ OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, in
 }
 
 DeviceStopCost device_stop_cost(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin) {
-  return cost_of(Stop(grid, filter, margin), device);
+  Device counter(device.info(), device.memory());
+  Field head;
+  head.grid = grid;
+  const DeviceField field = make_device_field(counter, head);
+  behind_stop(field, filter, margin, {});
+  const DeviceUse use = counter.use();
+  return {double(use.bytes_moved), double(use.most_held - field.samples.bytes())};
+}
+
+DeviceField apply_order_stop(const DeviceField& field, const SpectralFilter& filter, int margin,
+                             const Observer& observer) {
+  const auto lock = field.device->lock();
+  make_room(*field.device, device_stop_cost(*field.device, field.head.grid, filter, margin).memory);
+  return behind_stop(field, filter, margin, observer);
 }
 
 }  // namespace holotrace

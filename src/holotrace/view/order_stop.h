@@ -43,7 +43,8 @@ struct OrderStopCost {
 };
 OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, int margin);
 
-/// What a stop takes on a device [bytes]: what its kernels read and write, and its memory beside the field.
+/// What a stop takes on a device [bytes], by one that only counts: what its kernels read and write, and its memory beside the
+/// field.
 struct DeviceStopCost {
   double moved = 0, memory = 0;
 };

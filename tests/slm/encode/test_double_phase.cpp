@@ -1,4 +1,5 @@
 #include <cmath>
+#include <memory>
 
 #include "holotrace/slm/encode/device_low_pass.h"
 #include "holotrace/slm/encode/device_moments.h"
@@ -64,20 +65,22 @@ TEST_P(DoublePhase, SignsAlternateAsOnAChessboard) {
 class LowPass : public ::testing::TestWithParam<DeviceChoice> {
  protected:
   static bool is_on_device() { return GetParam().kind == DeviceKind::opencl; }
-  static DeviceField there(const Field& field) { return send(open_device(GetParam().number), field); }
+  static DeviceSamples there(const Field& field) {
+    return DeviceSamples::whole(std::make_shared<const DeviceField>(send(open_device(GetParam().number), field)));
+  }
   static Field low_passed(const Field& field, const SpectralFilter& stop, const Observer& observer = {}) {
     if (!is_on_device()) return within_stop(field, stop, observer);
-    const DeviceField light = there(field);
-    const ScaledField inside = within_stop(ShownPixels<DeviceField>{light, modulus_moments(light)}, stop, observer);
-    Field here = fetch(inside.light);
+    const DeviceSamples light = there(field);
+    const auto inside = within_stop(ShownPixels<DeviceSamples>{light, modulus_moments(light)}, stop, observer);
+    Field here = fetch(*inside.light.there);
     for (auto& u : here.samples.values) u /= float(inside.scale);
     return here;
   }
   static double normalised(double clipped_pixels, const Observer& observer, Field& field) {
     if (!is_on_device()) return normalise_modulus(clipped_pixels, observer, field);
-    ScaledField light{there(field)};
+    Scaled<DeviceSamples> light{there(field)};
     const double top = normalise_modulus(clipped_pixels, observer, light);
-    field = fetch(light.light);
+    field = fetch(*light.light.there);
     return top;
   }
 };

@@ -1,5 +1,5 @@
+#include "holotrace/data/params/encode.h"
 #include "holotrace/estimate/encoder_quality.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/targets.h"
 
@@ -16,8 +16,8 @@ double psnr_of(Slm slm, EncodeParams params, const std::vector<std::string>& eff
   params.target_rows = 152;
   const std::vector<TargetPlane> targets = picture_targets(slm, params);
   const Field field = field_of_target(targets[0], slm, params);
-  const Hologram h =
-      aims_at_targets(params.method) ? encode_targets(targets, field, slm, params) : encode(field, slm, params);
+  const Hologram h = traits_of(params.method).aims_at_targets ? encode_targets(targets, field, slm, params)
+                                                              : encode(field, slm, params);
   return encoder_quality(targets[0], h, slm, {.effects = effects}, sampling).psnr;
 }
 

@@ -6,6 +6,7 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
+#include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagation_cost.h"

@@ -161,6 +161,23 @@ TEST_P(BandedPropagationTest, SendsFieldsThatFitAndTheTransferFunctionOnce) {
   EXPECT_EQ(after.bytes_held, before.bytes_held);
 }
 
+TEST_P(BandedPropagationTest, DoesWhatIsForecast) {
+  for (const PropagateParams& params : test::all_kinds_of_windows)
+    for (const double memory : {memory_for_fields, memory_for_rows}) {
+      const auto host =
+          std::make_shared<Propagator<float>>(make_propagator<float>(field_.grid, 532_nm, 0.03_m, params));
+      leave_memory(memory);
+      const DevicePropagationCost forecast = banded_propagation_cost(device_, *host, device_.memory_left());
+      EXPECT_LE(forecast.work, device_.memory_left());
+      const DeviceUse before = device_.use();
+      BandedPropagation(device_, host)(field_);
+      const DeviceUse after = device_.use();
+      device_.limit_memory(0);
+      EXPECT_EQ(double(after.bytes_moved - before.bytes_moved), forecast.moved) << params.columns;
+      EXPECT_EQ(double(after.bytes_in + after.bytes_out - before.bytes_in - before.bytes_out), forecast.fields);
+    }
+}
+
 TEST_P(BandedPropagationTest, IsTakenByAutoIfItIsFaster) {
   SummationRates slow;
   slow.samples = 1e5;  // the processor takes more than 0.26 s

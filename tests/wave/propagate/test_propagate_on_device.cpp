@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <thread>
+#include <vector>
 
 #include "holotrace/base/units.h"
 #include "holotrace/wave/propagate/irradiance.h"
@@ -88,6 +90,38 @@ TEST_P(PropagationOnDevices, TakeTheMemoryThatIsCounted) {
     EXPECT_GT(sent_for_irradiance(), of_field) << "in bands, with the transfer function: " << grid.nx;
     device_.limit_memory(0);
   }
+}
+
+// A propagation moves and sends what is forecast, for all windows, and with lines that local memory does not hold (periods of
+// 66 = 2·3·11 and 49 = 7² samples).
+TEST_P(PropagationOnDevices, DoWhatIsForecast) {
+  std::vector<PropagateParams> windows(std::begin(test::all_kinds_of_windows), std::end(test::all_kinds_of_windows));
+  windows.emplace_back().is_periodic = true;
+  for (const PropagateParams& window : windows) {
+    const DeviceChoice device = params_.device;
+    params_ = window;
+    params_.device = device;
+    const DevicePropagationCost forecast = cost(0.03_m, window);
+    there(0.03_m);  // sends the transfer function
+    const DeviceUse before = device_.use();
+    there(0.03_m);
+    const DeviceUse after = device_.use();
+    EXPECT_EQ(double(after.bytes_moved - before.bytes_moved), forecast.moved) << window.columns;
+    EXPECT_EQ(double(after.bytes_in + after.bytes_out - before.bytes_in - before.bytes_out), forecast.fields)
+        << window.columns;
+  }
+}
+
+// Each part of the spectrum along x reads the input; of each of its columns, the spectrum is written, transposed, read by each
+// part along y with its transfer function, and added up, transposed and read; the output is written, and by the second part read
+// as well. The factors of lines of 200 samples are a few percent of that.
+TEST_P(PropagationOnDevices, CountWhatTheirKernelsReadAndWrite) {
+  const auto plan = plan_propagator<float>({200, 180, 8_um}, 532_nm, 0.3_m, {});
+  ASSERT_EQ(plan.x.parts, 2);
+  const double in = 200.0 * 180, rows = 180, parts = plan.y.parts;
+  const double of_column = (3 + parts) * rows + plan.y.padded + (2 * parts - 1) * rows + 3 * rows;
+  const double samples = 2 * in + plan.x.frequencies() * of_column + 3 * in;
+  EXPECT_NEAR(device_propagation_cost(device_, plan).moved, 8 * samples, 0.04 * 8 * samples);
 }
 
 // White light of all frequencies: every row is transformed twice for each part along x (there and back), every column of

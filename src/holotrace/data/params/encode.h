@@ -50,6 +50,39 @@ inline constexpr std::initializer_list<Choice<Encoding>> encoding_names{
     {"sgd", Encoding::sgd},
     {"binary", Encoding::binary}};
 
+/// What a method does with a field. What it can do with a panel follows.
+struct EncodingTraits {
+  bool keeps_modulus = true, keeps_phase = true;  ///< of the field
+  bool writes_fringes = false;   ///< of the field with a tilted reference wave; the stop passes one order
+  bool aims_at_targets = false;  ///< finds its levels by iterations
+  bool is_pointwise = true;      ///< finds each pixel by itself, so that devices can, too
+  double stop = 1;               ///< EncodeParams::stop if none is asked for
+};
+constexpr EncodingTraits traits_of(Encoding method) {
+  switch (method) {
+    case Encoding::phase:
+      return {.keeps_modulus = false};
+    case Encoding::amplitude:
+      return {.keeps_phase = false};
+    case Encoding::off_axis:
+      return {.writes_fringes = true};
+    case Encoding::double_phase:
+      return {.stop = 0.4};
+    case Encoding::error_diffusion:
+      return {.is_pointwise = false, .stop = 0.4};
+    case Encoding::gerchberg_saxton:
+    case Encoding::weighted_gerchberg_saxton:
+    case Encoding::sgd:
+      return {.aims_at_targets = true, .is_pointwise = false};
+    case Encoding::binary:
+      return {.keeps_modulus = false, .writes_fringes = true};
+    case Encoding::complex:
+    case Encoding::automatic:
+      break;
+  }
+  return {};
+}
+
 /// The method, or another one if it is automatic.
 inline Encoding method_or(Encoding given, Encoding otherwise) {
   return given == Encoding::automatic ? otherwise : given;
@@ -136,6 +169,18 @@ struct EncodeParams {
   std::vector<std::string>
       effects{};  ///< effects of the panel that the levels compensate; or "all"; none named: its own
 };
+
+/// Number of iterations of a method: as many as asked for, or for 0 the method's default; 0 for methods without any.
+inline int iterations_of(const EncodeParams& params) {
+  if (!traits_of(params.method).aims_at_targets) return 0;
+  if (params.iterations > 0) return params.iterations;
+  return params.method == Encoding::sgd ? sgd_iterations : gerchberg_saxton_iterations;
+}
+
+/// Half width of the stop of a method as a fraction of 1/2p: the one asked for, or the method's default; 1 means none.
+inline double stop_width(const EncodeParams& params) {
+  return params.stop > 0 ? params.stop : traits_of(params.method).stop;
+}
 
 template <class Visitor>
 void describe(Visitor&& v, EncodeParams& p) {

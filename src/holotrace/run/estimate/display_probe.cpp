@@ -6,6 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/estimate/machine/median_seconds.h"
 #include "holotrace/run/check_job.h"
 #include "holotrace/run/estimate/small_panel.h"
@@ -14,7 +15,6 @@
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 
 namespace holotrace {

@@ -4,12 +4,19 @@
 
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/banded_low_pass.h"
+#include "holotrace/slm/encode/device_levels.h"
 #include "holotrace/slm/encode/interference_kernel.h"
 #include "holotrace/slm/encode/off_axis.h"
 
 namespace holotrace {
+namespace {
 
+// The levels of the two values of a pixel: where Re(U·R*) ≥ 0, and elsewhere.
+struct BinaryPair {
+  uint16_t above = 0, below = 0;
+};
+
+// One of them for each pixel; 0 for a dark sample.
 void write_binary_levels(const ShownPixels<Field>& shown, const ReferenceWave& wave, const BinaryPair& pair,
                          Array2D<uint16_t>& to) {
   using interference_kernel::WaveSample;
@@ -27,6 +34,21 @@ void write_binary_levels(const ShownPixels<Field>& shown, const ReferenceWave& w
     }
   });
 }
+
+// Where |Re(U·R*)| is below 1e-6·|U| the other level may be taken.
+void write_binary_levels(const ShownPixels<DeviceSamples>& shown, const ReferenceWave& wave, const BinaryPair& pair,
+                         Array2D<uint16_t>& to) {
+  fetch_levels(shown.field, to,
+               [&](const DeviceField& band, int first, const WorkSize& size, const DeviceBuffer& there) {
+                 const WaveThere reference = send_wave(shown, wave, band, first);
+                 band.device->run(kernel_of_pixels("binary_levels"), size,
+                                  {band.samples, int32_t(to.nx), reference.unit, reference.along_x, reference.along_y,
+                                   int32_t(pair.above), int32_t(pair.below), there});
+                 band.device->finish();  // before the wave is released
+               });
+}
+
+}  // namespace
 
 template <class AnyField>
 void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const EncodeParams& params,
@@ -51,9 +73,7 @@ void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels
 
 template void encode_binary(const ShownPixels<Field>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                             Hologram&);
-template void encode_binary(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&, const Observer&,
-                            Hologram&);
-template void encode_binary(const ShownPixels<BandedSamples>&, const PhaseLevels&, const EncodeParams&, const Observer&,
+template void encode_binary(const ShownPixels<DeviceSamples>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                             Hologram&);
 
 }  // namespace holotrace

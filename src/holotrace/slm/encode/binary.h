@@ -33,13 +33,4 @@ template <class AnyField>
 void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const EncodeParams& params,
                    const Observer& observer, Hologram& hologram);
 
-/// The levels of the two values of a pixel: where Re(U·R*) ≥ 0, and elsewhere.
-struct BinaryPair {
-  uint16_t above = 0, below = 0;
-};
-
-/// One of them for each pixel; 0 for a dark sample.
-void write_binary_levels(const ShownPixels<Field>& shown, const ReferenceWave& wave, const BinaryPair& pair,
-                         Array2D<uint16_t>& to);
-
 }  // namespace holotrace

@@ -9,7 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/check_ranges.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/stop.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
@@ -39,11 +39,8 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
 bool can_allow_for(const std::string& effect, const EncodeParams& params, const Slm& slm) {
   if (params.method == Encoding::sgd) return effect != "flicker";
   if (effect == "calibration") return modulation_of(params, slm) != Modulation::amplitude;
-  if (effect == "aberration" || effect == "phase-map") return params.method != Encoding::amplitude;
-  return effect == "light-map" &&
-         (aims_at_targets(params.method) || params.method == Encoding::amplitude ||
-          params.method == Encoding::complex || params.method == Encoding::off_axis ||
-          params.method == Encoding::double_phase || params.method == Encoding::error_diffusion);
+  if (effect == "aberration" || effect == "phase-map") return traits_of(params.method).keeps_phase;
+  return effect == "light-map" && traits_of(params.method).keeps_modulus;
 }
 
 // The effects of the panel that the levels compensate.
@@ -69,8 +66,6 @@ void tell_effects(const Slm& slm, const EncodeParams& params, const Observer& ob
 }
 
 }  // namespace
-
-bool encodes_on_devices(Encoding method) { return !aims_at_targets(method) && method != Encoding::error_diffusion; }
 
 Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
   switch (params.method) {
@@ -178,7 +173,7 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
   hologram.encoder = name_of(params.method, encoding_names);
   hologram.modulation = modulation_of(params, slm);
   hologram.effects = allowed_effects(slm, params);
-  if (aims_at_targets(params.method)) {
+  if (traits_of(params.method).aims_at_targets) {
     hologram.filter = stop_of(params, slm.grid, field.wavelength);
     hologram.losses = {false, false};
   }

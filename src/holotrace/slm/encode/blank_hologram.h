@@ -10,10 +10,6 @@
 
 namespace holotrace {
 
-/// Whether a method can take a field that lies on an OpenCL device, and leave only levels: those without iterations but
-/// error-diffusion, whose pixels depend on the ones before.
-bool encodes_on_devices(Encoding method);
-
 /// What the pixels of a hologram modulate: what the method writes, which for sgd and binary is what the panel can do.
 Modulation modulation_of(const EncodeParams& params, const Slm& slm);
 

@@ -3,43 +3,41 @@
 #include <cstdint>
 
 #include "holotrace/base/array.h"
-#include "holotrace/slm/encode/binary.h"
 #include "holotrace/slm/encode/device_low_pass.h"
 #include "holotrace/slm/encode/device_moments.h"
-#include "holotrace/slm/encode/off_axis.h"
-#include "holotrace/slm/encode/phase_levels.h"
+#include "holotrace/slm/encode/device_samples.h"
+#include "holotrace/slm/encode/reference_wave.h"
 #include "holotrace/slm/encode/shown_pixels.h"
-#include "holotrace/wave/shared/device_field.h"
+#include "holotrace/wave/shared/sample_rows.h"
 
-// The loops over pixels of the encoders, for fields on an OpenCL device, in single precision. Errors are those of Device.
-// Transfers: 2 bytes per pixel come back; besides, what is said at each.
+// What the loops over pixels of the encoders have in common on OpenCL devices, where they are kernels in single precision.
+// Errors are those of Device.
 
 namespace holotrace {
 
-/// The level of each sample's phase, or of that of its conjugate, for levels without a table (PhaseLevels::has_table). A
-/// phase within 1e-6 turns of the middle between two levels may get the other one.
-void write_phase_levels(const DeviceField& field, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to);
+/// A kernel of pixel_levels.cl.
+Kernel kernel_of_pixels(const char* name);
 
-/// The level of |U|/largest.
-void write_amplitude_levels(const DeviceField& field, double largest, int levels, Array2D<uint16_t>& to);
+/// Calls run(band, its first row, work size, buffer) for the levels of the pixels of each band, and fetches them. Transfers:
+/// those of each_band, and 2 bytes per pixel come back.
+template <class Run>
+void fetch_levels(const DeviceSamples& field, Array2D<uint16_t>& to, const Run& run) {
+  each_band(field, [&](const DeviceField& band, int first) {
+    const Grid& grid = band.head.grid;
+    const DeviceBuffer levels = band.device->make_buffer(size_t(grid.pixels()) * sizeof(uint16_t), "levels");
+    run(band, first, items_of_rows(grid.nx, grid.ny), levels);
+    band.device->read(levels, to.row(first), levels.bytes());
+  });
+}
 
-/// As write_double_phase_levels of double_phase.h, for levels without a table. Single precision knows the phases
-/// arg U ± acos(a) of samples of modulus a within 2e-7·(1/a + 1/√(1 − a²)) turns, near a = 1 within 1e-4. Pixels that are
-/// farther from the middle between two levels get those of the processor.
-void write_double_phase_levels(const ScaledField& inside, bool is_conjugate, const PhaseLevels& levels,
-                               Array2D<uint16_t>& to);
+/// A reference wave at the rows of a band, for samples that are scaled by `unit`.
+struct WaveThere {
+  DeviceBuffer along_x, along_y;
+  float unit = 1;
+};
 
-/// As write_binary_levels of binary.h. Where |Re(U·R*)| is below 1e-6·|U| the other level may be taken. Transfer: 8 bytes
-/// per row and column to the device.
-void write_binary_levels(const ShownPixels<DeviceField>& shown, const ReferenceWave& wave, const BinaryPair& pair,
-                         Array2D<uint16_t>& to);
-
-/// As irradiance_range of off_axis.h, within 1e-6 of (|U| + |R|)². Transfers: 8 bytes per row and column to the device; 8
-/// per row come back instead of levels.
-IrradianceRange irradiance_range(const ShownPixels<DeviceField>& shown, const Interference& interference);
-
-/// As write_irradiance_levels of off_axis.h. Transfer: 8 bytes per row and column to the device.
-void write_irradiance_levels(const ShownPixels<DeviceField>& shown, const Interference& interference,
-                             const Transmittances& transmittances, int levels, Array2D<uint16_t>& to);
+/// Transfer: 8 bytes per column and row of the band.
+WaveThere send_wave(const ShownPixels<DeviceSamples>& shown, const ReferenceWave& wave, const DeviceField& band,
+                    int first);
 
 }  // namespace holotrace

@@ -1,98 +1,163 @@
 #include "holotrace/slm/encode/device_low_pass.h"
 
+#include <algorithm>
 #include <complex>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "holotrace/slm/encode/device_moments.h"
-#include "holotrace/slm/encode/low_pass_lines.h"
+#include "holotrace/slm/encode/frequency_band.h"
+#include "holotrace/wave/transform/line_transform.h"
 
 namespace holotrace {
 namespace {
 
 using Complex = std::complex<float>;
 
-// The spectrum of a field within a stop, times `unit`: column by column, each with the frequencies of y that pass. There is
-// room for ny of them, and as much again.
-struct Spectrum {
-  DeviceField bins;
-  DeviceBuffer room;
-  float unit = 1;
+// The part of a field's spectrum that passes a stop, times `unit`. Its rows are transformed first, then its columns, and back
+// in the other order: band by band, and as many columns at a time as there are parts. In between, `there` has all of it for one
+// part; otherwise `here` has it on the processor. The transforms do not divide by the number of samples.
+class PassingSpectrum {
+ public:
+  PassingSpectrum(const ShownPixels<DeviceSamples>& shown, const SpectralFilter& stop)
+      : field_(shown.field),
+        moments_(shown.moments),
+        device_(*field_.device),
+        grid_(field_.head.grid),
+        pass_(pass_band(grid_, stop)),
+        lines_(device_) {
+    if (field_.here) here_ = Array2D<Complex>(grid_.ny, pass_.x.count);
+    transform_rows();
+  }
+
+  double unit() const { return double(unit_); }
+
+  // The fraction of the field's power within the stop, by Parseval's theorem. The columns are transformed, and back if they are
+  // to return.
+  double pass_columns(bool return_them);
+
+  // The field within the stop, times unit·(number of samples).
+  DeviceSamples to_field();
+
+ private:
+  size_t bytes(int rows, int columns) const { return size_t(rows) * size_t(columns) * sizeof(Complex); }
+  DeviceBuffer make(int rows, int columns) { return device_.make_buffer(bytes(rows, columns), "a stop"); }
+  bool is_whole() const { return field_.there != nullptr; }
+  void transform_rows();
+  void send_columns(int first, int count, const DeviceBuffer& to);
+  void fetch_columns(int first, int count, const DeviceBuffer& from);
+
+  const DeviceSamples& field_;
+  const ModulusMoments moments_;
+  Device& device_;
+  const Grid grid_;
+  const PassBand pass_;
+  const float unit_ = unit_for(moments_.largest);
+  LineTransforms lines_;
+  DeviceBuffer there_;
+  Array2D<Complex> here_;
+  std::vector<Complex> columns_;
 };
 
-DeviceBuffer room_for(Device& device, const Grid& grid, const PassBand& passing) {
-  return device.make_buffer(size_t(passing.x.count) * size_t(grid.ny) * sizeof(Complex), "a stop");
+void PassingSpectrum::transform_rows() {
+  const DeviceBuffer scales = device_.upload(std::vector<Complex>(size_t(grid_.nx), unit_), "a stop");
+  const LineTransform along{grid_.nx, FftDirection::forward, {grid_.nx, 0, {&scales}}, {pass_.x.count, pass_.x.first}};
+  each_band(field_, [&](const DeviceField& band, int first) {
+    const int rows = band.head.grid.ny;
+    DeviceBuffer part = make(rows, pass_.x.count);
+    lines_.run(along, rows, band.samples, part);
+    if (is_whole())
+      there_ = std::move(part);
+    else
+      device_.read(part, here_.size() > 0 ? here_.row(first) : nullptr, part.bytes());
+  });
+  device_.finish();  // before the scales are released
 }
 
-Spectrum spectrum_of(const ShownPixels<DeviceField>& shown, const PassBand& passing, LineTransforms& lines) {
-  Device& device = *shown.field.device;
-  const Grid& grid = shown.field.head.grid;
-  const auto& [x, y] = passing;
-  Spectrum spectrum;
-  spectrum.unit = unit_for(shown.moments.largest);
-  const DeviceBuffer scales = device.upload(std::vector<Complex>(size_t(grid.nx), spectrum.unit), "a stop");
-  spectrum.bins = {&device, {}, room_for(device, grid, passing)};
-  spectrum.bins.head.grid.nx = y.count;
-  spectrum.bins.head.grid.ny = x.count;
-  spectrum.room = room_for(device, grid, passing);
-  const DeviceBuffer& rows = spectrum.bins.samples;  // until they are transposed
-  lines.run(rows_to_spectrum(grid, passing, scales), grid.ny, shown.field.samples, rows);
-  lines.transpose(grid.ny, x.count, rows, spectrum.room);
-  lines.run(columns_to_spectrum(grid, passing), x.count, spectrum.room, spectrum.bins.samples);
-  device.finish();  // before the scales are released
-  return spectrum;
+void PassingSpectrum::send_columns(int first, int count, const DeviceBuffer& to) {
+  columns_.resize(size_t(count) * size_t(here_.ny));
+  for (int j = 0; j < here_.ny; ++j) std::copy_n(here_.row(j) + first, count, columns_.begin() + int64_t(j) * count);
+  device_.write(to, columns_.data(), bytes(grid_.ny, count));
 }
 
-double part_of_power(const ShownPixels<DeviceField>& shown, const Spectrum& spectrum) {
-  const DeviceField& bins = spectrum.bins;
-  const double inside = energy(bins, {0, bins.head.grid.nx, 0, bins.head.grid.ny});
-  return part_of_power(inside, shown.moments, double(spectrum.unit), shown.field.head.grid);
+void PassingSpectrum::fetch_columns(int first, int count, const DeviceBuffer& from) {
+  device_.read(from, columns_.data(), bytes(grid_.ny, count));
+  for (int j = 0; j < here_.ny; ++j) std::copy_n(columns_.begin() + int64_t(j) * count, count, here_.row(j) + first);
 }
 
-constexpr double bytes_of_bin = sizeof(Complex);
+double PassingSpectrum::pass_columns(bool return_them) {
+  const int most = field_.columns_at_once(pass_.x.count);
+  const LineTransform forward{grid_.ny, FftDirection::forward, {grid_.ny}, {pass_.y.count, pass_.y.first}},
+      backward{grid_.ny, FftDirection::backward, {pass_.y.count, pass_.y.first}, {grid_.ny}};
+  DeviceField bins{&device_, {}, is_whole() ? std::move(there_) : make(grid_.ny, most)};
+  bins.head.grid.nx = pass_.y.count;
+  const DeviceBuffer turned = make(grid_.ny, most);
+  double inside = 0;
+  for (int first = 0; first < pass_.x.count; first += most) {
+    const int count = std::min(most, pass_.x.count - first);
+    if (!is_whole()) send_columns(first, count, bins.samples);
+    lines_.transpose(grid_.ny, count, bins.samples, turned);
+    lines_.run(forward, count, turned, bins.samples);
+    bins.head.grid.ny = count;
+    inside += energy(bins, {0, pass_.y.count, 0, count});
+    if (!return_them) continue;
+    lines_.run(backward, count, bins.samples, turned);
+    lines_.transpose(count, grid_.ny, turned, bins.samples);
+    if (!is_whole()) fetch_columns(first, count, bins.samples);
+  }
+  device_.finish();  // before the work space is released
+  if (is_whole()) there_ = std::move(bins.samples);
+  const double all = moments_.square * unit() * unit();
+  return all > 0 ? inside / (all * double(grid_.pixels())) : 1.0;
+}
 
-}  // namespace
-
-ScaledField within_stop(const ShownPixels<DeviceField>& shown, const SpectralFilter& stop, const Observer& observer) {
-  Device& device = *shown.field.device;
-  const auto lock = device.lock();
-  const Grid& grid = shown.field.head.grid;
-  const PassBand passing = pass_band(grid, stop);
-  const int columns = passing.x.count;
-  LineTransforms lines(device);
-  const Spectrum spectrum = spectrum_of(shown, passing, lines);
-  observer.fact("band_power", Fact(part_of_power(shown, spectrum)));
-  // The transforms do not scale: there and back, they multiply by the number of samples.
-  ScaledField inside{make_device_field(device, shown.field.head, "a field within a stop"),
-                     double(spectrum.unit) * double(grid.pixels())};
-  lines.run(columns_from_spectrum(grid, passing), columns, spectrum.bins.samples, spectrum.room);
-  const DeviceBuffer& rows = spectrum.bins.samples;
-  lines.transpose(columns, grid.ny, spectrum.room, rows);
-  lines.run(rows_from_spectrum(grid, passing), grid.ny, rows, inside.light.samples);
-  device.finish();  // before the work space is released
+DeviceSamples PassingSpectrum::to_field() {
+  const LineTransform along{grid_.nx, FftDirection::backward, {pass_.x.count, pass_.x.first}, {grid_.nx}};
+  if (is_whole()) {
+    DeviceField inside = make_device_field(device_, field_.head, "a field within a stop");
+    lines_.run(along, grid_.ny, there_, inside.samples);
+    device_.finish();  // before the spectrum is released
+    return DeviceSamples::whole(std::make_shared<const DeviceField>(std::move(inside)));
+  }
+  DeviceSamples inside{.device = &device_, .head = field_.head, .parts = field_.parts};
+  const auto light = std::make_shared<Field>(field_.head);
+  if (field_.here) light->samples = Array2D<Complex>(grid_.ny, grid_.nx);
+  for (int first = 0; first < grid_.ny; first += field_.rows_at_once()) {
+    const int rows = std::min(field_.rows_at_once(), grid_.ny - first);
+    const DeviceBuffer from = make(rows, pass_.x.count), to = make(rows, grid_.nx);
+    device_.write(from, field_.here ? here_.row(first) : nullptr, from.bytes());
+    lines_.run(along, rows, from, to);
+    device_.read(to, field_.here ? light->samples.row(first) : nullptr, to.bytes());
+  }
+  if (field_.here) inside.here = light;
   return inside;
 }
 
-double power_inside(const ShownPixels<DeviceField>& shown, const SpectralFilter& filter) {
+}  // namespace
+
+Scaled<DeviceSamples> within_stop(const ShownPixels<DeviceSamples>& shown, const SpectralFilter& stop,
+                                  const Observer& observer) {
   const auto lock = shown.field.device->lock();
-  LineTransforms lines(*shown.field.device);
-  return part_of_power(shown, spectrum_of(shown, pass_band(shown.field.head.grid, filter), lines));
+  PassingSpectrum spectrum(shown, stop);
+  observer.fact("band_power", Fact(spectrum.pass_columns(true)));
+  return {spectrum.to_field(), spectrum.unit() * double(shown.field.head.grid.pixels())};
 }
 
-LowPassCost low_pass_cost(const Grid& grid, const SpectralFilter& stop) {
-  LowPassCost cost = power_inside_cost(grid, stop);
-  const double pixels = double(grid.pixels()), columns = pass_band(grid, stop).x.count;
-  cost.memory += bytes_of_bin * pixels;
-  cost.moved += bytes_of_bin * (pixels + 5 * columns * grid.ny);
-  return cost;
+double normalise_modulus(double clipped_pixels, const Observer& observer, Scaled<DeviceSamples>& field) {
+  const ModulusMoments moments = modulus_moments(field.light);
+  double top = moments.largest;
+  if (clipped_pixels > 0 && top > 0)
+    top = modulus_to_clip(count_moduli(field.light, top, modulus_steps), top,
+                          clipped_pixels * double(field.light.head.grid.pixels()));
+  const double clipped = clip_moduli(field.light, top);
+  tell_clipping(top / field.scale, moments.square > 0 ? clipped / moments.square : 0, observer);
+  return top / field.scale;
 }
 
-LowPassCost power_inside_cost(const Grid& grid, const SpectralFilter& filter) {
-  const double pixels = double(grid.pixels()), columns = pass_band(grid, filter).x.count;
-  LowPassCost cost;
-  cost.memory = bytes_of_bin * 2 * columns * grid.ny;
-  cost.moved = bytes_of_bin * (pixels + 6 * columns * grid.ny);
-  return cost;
+double power_inside(const ShownPixels<DeviceSamples>& shown, const SpectralFilter& filter) {
+  const auto lock = shown.field.device->lock();
+  return PassingSpectrum(shown, filter).pass_columns(false);
 }
 
 }  // namespace holotrace

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include "holotrace/wave/shared/sample_rows.h"
 
@@ -33,10 +34,9 @@ Kernel kernel_of_moduli(const char* name, int steps = 1) {
 double largest_part(const DeviceField& field) {
   Device& device = *field.device;
   const Grid& grid = field.head.grid;
-  std::vector<uint32_t> rows(static_cast<size_t>(grid.ny));
-  const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(uint32_t), "the moments of a field");
+  const DeviceBuffer there = device.make_buffer(size_t(grid.ny) * sizeof(uint32_t), "the moments of a field");
   device.run(kernel_of_moduli("row_peaks"), groups_of_rows(grid.ny), {field.samples, int32_t(grid.nx), there});
-  device.read(there, rows.data(), there.bytes());
+  const auto rows = device.fetch<uint32_t>(there);
   return rows.empty() ? 0 : double(std::bit_cast<float>(*std::max_element(rows.begin(), rows.end())));
 }
 
@@ -53,10 +53,9 @@ ModulusMoments modulus_moments(const DeviceField& field) {
   const double part = largest_part(field);
   if (!std::isfinite(part)) return {part, part, part};
   const float unit = unit_for(part);
-  std::vector<float> rows(3 * size_t(grid.ny));
-  const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(float), "the moments of a field");
+  const DeviceBuffer there = device.make_buffer(3 * size_t(grid.ny) * sizeof(float), "the moments of a field");
   device.run(kernel_of_moduli("row_moments"), groups_of_rows(grid.ny), {field.samples, int32_t(grid.nx), unit, there});
-  device.read(there, rows.data(), there.bytes());
+  const auto rows = device.fetch<float>(there);
   ModulusMoments moments;
   for (size_t row = 0; row < rows.size(); row += 3) {
     moments.largest = std::max(moments.largest, double(rows[row]));
@@ -74,7 +73,6 @@ std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int 
   const auto lock = device.lock();
   const Grid& grid = field.head.grid;
   const std::vector<uint32_t> none(size_t(steps) + 1);
-  std::vector<uint32_t> some(none.size());
   std::vector<int64_t> counts(none.size());
   const DeviceBuffer there = device.make_buffer(none.size() * sizeof(uint32_t), "the moments of a field");
   const int64_t most_rows = std::max(at_once / std::max(grid.nx, 1), int64_t(1));
@@ -86,22 +84,49 @@ std::vector<int64_t> count_moduli(const DeviceField& field, double largest, int 
     device.run(kernel_of_moduli("count_moduli", steps), groups_of_rows(groups),
                {field.samples, int32_t(grid.nx), int32_t(first), int32_t(rows), int32_t(groups), float(steps / largest),
                 there});
-    device.read(there, some.data(), there.bytes());
+    const auto some = device.fetch<uint32_t>(there);
     for (size_t step = 0; step < some.size(); ++step) counts[step] += some[step];
   }
   return counts;
 }
 
-double clip_moduli(DeviceField& field, double top) {
+double clip_moduli(const DeviceField& field, double top) {
   Device& device = *field.device;
   const auto lock = device.lock();
   const Grid& grid = field.head.grid;
-  std::vector<float> rows(static_cast<size_t>(grid.ny));
-  const DeviceBuffer there = device.make_buffer(rows.size() * sizeof(float), "the moments of a field");
+  const DeviceBuffer there = device.make_buffer(size_t(grid.ny) * sizeof(float), "the moments of a field");
   device.run(kernel_of_moduli("clip_moduli"), groups_of_rows(grid.ny),
-             {field.samples, int32_t(grid.nx), float(top), there});
-  device.read(there, rows.data(), there.bytes());
+             {KernelArgument::changed(field.samples), int32_t(grid.nx), float(top), there});
+  const auto rows = device.fetch<float>(there);
   return std::accumulate(rows.begin(), rows.end(), 0.0);
+}
+
+ModulusMoments modulus_moments(const DeviceSamples& field) {
+  ModulusMoments all;
+  each_band(field, [&](const DeviceField& band, int) {
+    const ModulusMoments of_band = modulus_moments(band);
+    // std::max(a, b) is a if a is not a number.
+    all.largest = std::isfinite(of_band.largest) ? std::max(all.largest, of_band.largest) : of_band.largest;
+    all.sum += of_band.sum;
+    all.square += of_band.square;
+  });
+  return all;
+}
+
+std::vector<int64_t> count_moduli(const DeviceSamples& field, double largest, int steps) {
+  std::vector<int64_t> counts(size_t(steps) + 1);
+  each_band(field, [&](const DeviceField& band, int) {
+    const std::vector<int64_t> of_band = count_moduli(band, largest, steps);
+    for (size_t step = 0; step < counts.size(); ++step) counts[step] += of_band[step];
+  });
+  return counts;
+}
+
+double clip_moduli(DeviceSamples& field, double top) {
+  double clipped = 0;
+  each_band(field, [&](const DeviceField& band, int) { clipped += clip_moduli(band, top); });
+  field.top = top;
+  return clipped;
 }
 
 }  // namespace holotrace

@@ -1,7 +1,7 @@
 #include "holotrace/slm/encode/double_phase.h"
 
 #include "holotrace/base/threads.h"
-#include "holotrace/slm/encode/banded_low_pass.h"
+#include "holotrace/slm/encode/device_levels.h"
 #include "holotrace/slm/encode/double_phase_kernel.h"
 #include "holotrace/slm/encode/low_pass.h"
 
@@ -10,6 +10,18 @@ namespace {
 
 Field within_stop(const ShownPixels<Field>& shown, const SpectralFilter& stop, const Observer& observer) {
   return holotrace::within_stop(shown.field, stop, observer);
+}
+
+// For levels without a table. Single precision knows the phases arg U ± acos(a) of samples of modulus a within
+// 2e-7·(1/a + 1/√(1 − a²)) turns, near a = 1 within 1e-4. Pixels that are farther from the middle between two levels get those
+// of the processor. Bands begin at even rows, where the chessboard does.
+void write_double_phase_levels(const Scaled<DeviceSamples>& inside, bool is_conjugate, const PhaseLevels& levels,
+                               Array2D<uint16_t>& to) {
+  fetch_levels(inside.light, to, [&](const DeviceField& band, int, const WorkSize& size, const DeviceBuffer& there) {
+    band.device->run(kernel_of_pixels("double_phase_levels"), size,
+                     {band.samples, int32_t(to.nx), is_conjugate ? -1.0F : 1.0F, int32_t(levels.count()),
+                      float(levels.range()), there});
+  });
 }
 
 }  // namespace
@@ -38,9 +50,7 @@ void encode_double_phase(const ShownPixels<AnyField>& shown, const PhaseLevels& 
 
 template void encode_double_phase(const ShownPixels<Field>&, const PhaseLevels&, const EncodeParams&, const Observer&,
                                   Hologram&);
-template void encode_double_phase(const ShownPixels<DeviceField>&, const PhaseLevels&, const EncodeParams&,
-                                  const Observer&, Hologram&);
-template void encode_double_phase(const ShownPixels<BandedSamples>&, const PhaseLevels&, const EncodeParams&,
+template void encode_double_phase(const ShownPixels<DeviceSamples>&, const PhaseLevels&, const EncodeParams&,
                                   const Observer&, Hologram&);
 
 }  // namespace holotrace

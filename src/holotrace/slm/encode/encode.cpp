@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,66 +12,31 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/banded_levels.h"
-#include "holotrace/slm/encode/binary.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/blank_hologram.h"
-#include "holotrace/slm/encode/double_phase.h"
-#include "holotrace/slm/encode/encode_cost.h"
+#include "holotrace/slm/encode/encode_on_device.h"
+#include "holotrace/slm/encode/encoders.h"
 #include "holotrace/slm/encode/error_diffusion.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
-#include "holotrace/slm/encode/kinoform.h"
-#include "holotrace/slm/encode/off_axis.h"
 #include "holotrace/slm/encode/phase_levels.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
 #include "holotrace/slm/panel/static_errors.h"
-#include "holotrace/wave/shared/device_room.h"
 #include "holotrace/wave/shared/on_chosen_device.h"
 
 namespace holotrace {
 namespace {
 
-// The encoders that run on the processor and on devices.
-template <class AnyField>
-void encode_anywhere(const ShownPixels<AnyField>& shown, const EncodeParams& params, const PhaseLevels& levels,
-                     const Observer& observer, Hologram& hologram) {
-  switch (params.method) {
-    case Encoding::phase:
-      return encode_phase(shown, levels, hologram);
-    case Encoding::amplitude:
-      return encode_amplitude(shown, observer, hologram);
-    case Encoding::complex:
-      return encode_complex(shown, levels, observer, hologram);
-    case Encoding::off_axis:
-      return encode_off_axis(shown, params, observer, hologram);
-    case Encoding::double_phase:
-      return encode_double_phase(shown, levels, params, observer, hologram);
-    case Encoding::binary:
-      return encode_binary(shown, levels, params, observer, hologram);
-    default:
-      fail("expected an encoding without iterations, got \"{}\"", name_of(params.method, encoding_names));
-  }
-}
-
-// Whether the levels of a method are phases of every value, so that a calibration makes their steps uneven.
-bool writes_phases(Encoding method) {
-  return method != Encoding::amplitude && method != Encoding::off_axis && method != Encoding::binary;
-}
-
 // Factors that a field takes before it is encoded, so that the panel shows it in the light on each pixel, √m, and for
 // methods that write fringes with its static phase errors: 1/√m, or exp(−iψ)/√m. Empty: all are 1. A pixel with less than
 // a tenth of the brightest pixel's light counts as if it had a tenth: few dark pixels must not darken all others.
 Array2D<std::complex<float>> factors_for_panel(const Slm& known, const EncodeParams& params, double wavelength) {
-  const auto is_any = [&](std::initializer_list<Encoding> methods) {
-    return std::find(methods.begin(), methods.end(), params.method) != methods.end();
-  };
+  const EncodingTraits traits = traits_of(params.method);
   Slm counted = known;
-  const bool writes_fringes = is_any({Encoding::off_axis, Encoding::binary});
-  if (!writes_fringes) {
+  if (!traits.writes_fringes) {
     counted.effects.aberration.clear();
     counted.effects.phase_map = nullptr;
   }
-  if (is_any({Encoding::phase, Encoding::binary})) counted.effects.light_map = nullptr;
+  if (!traits.keeps_modulus) counted.effects.light_map = nullptr;
   const double stretch = known.design_wavelength > 0 ? known.design_wavelength / wavelength : 1;
   Array2D<std::complex<float>> factors = static_phasors(counted, stretch);
   float brightest = 0;
@@ -91,7 +55,9 @@ struct Begun {
   Array2D<std::complex<float>> factors;
 
   bool needs_processor(const EncodeParams& params) const {
-    return (levels.has_table() && writes_phases(params.method)) || factors.size() > 0;
+    const EncodingTraits traits = traits_of(params.method);
+    const bool writes_phases = traits.keeps_phase && !traits.writes_fringes;  // of every value
+    return (levels.has_table() && writes_phases) || factors.size() > 0;
   }
 };
 
@@ -110,49 +76,6 @@ Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& para
   return {std::move(hologram), std::move(levels), factors_for_panel(known, params, head.wavelength)};
 }
 
-// Levels of a DeviceField or BandedSamples; none if a sample is not finite, which the processor names.
-template <class AnyField>
-std::optional<Hologram> encode_there(const AnyField& field, const Begun& begun, const EncodeParams& params,
-                                     const Observer& observer) {
-  const ModulusMoments moments = modulus_moments(field);
-  if (!std::isfinite(moments.largest)) return std::nullopt;
-  Hologram hologram = begun.hologram;
-  std::vector<std::pair<std::string, Fact>> facts;  // told when no device can fail any more
-  Observer listener = observer;
-  listener.on_fact = [&](const std::string& name, const Fact& value) { facts.emplace_back(name, value); };
-  encode_anywhere(ShownPixels<AnyField>{field, moments, params.image == ImageSide::real_image}, params, begun.levels,
-                  listener, hologram);
-  if (observer.on_fact)
-    for (const auto& [name, value] : facts) observer.on_fact(name, value);
-  if (moments.largest == 0) warn_of_dark_field(observer);
-  observer.fact("device", field.device->info().name);
-  return hologram;
-}
-
-// The same on a device where the field is or goes: as a whole, or if there is not enough memory, band by band.
-std::optional<Hologram> encode_on(Device& device, const PlacedField& field, const Begun& begun,
-                                  const EncodeParams& params, const Observer& observer) {
-  const Field& head = field.head();
-  if (fits_whole(device, field, params)) {
-    const auto there = field.on(device, observer);
-    const auto lock = device.lock();
-    make_room(device, encode_cost(params, head.grid, head.wavelength).memory);
-    return encode_there(*there, begun, params, observer);
-  }
-  BandedSamples banded{&device, field.only_on_processor(observer), {}};
-  const auto lock = device.lock();
-  make_room(device, device.memory());
-  const double left = std::max(0.0, device.memory_left());
-  banded.bands = encode_bands(params, head.grid, head.wavelength, left, device.info().largest_buffer);
-  require(
-      banded.bands.fit(),
-      "expected {} of memory for bands of a field of {} × {} samples on the device {}, got {}; use a smaller panel, or "
-      "the device cpu",
-      format_bytes(least_encode_memory(params, head.grid, head.wavelength)), head.grid.nx, head.grid.ny,
-      device.info().name, format_bytes(left));
-  return encode_there(banded, begun, params, observer);
-}
-
 }  // namespace
 
 double short_range_efficiency(double range) {
@@ -166,7 +89,7 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   params.method = method_or(given.method, Encoding::phase);
   check_encode_params(slm, params);
   require_grid_of(slm, head.grid, "field");
-  if (aims_at_targets(params.method)) {
+  if (traits_of(params.method).aims_at_targets) {
     const auto here = field.on_processor(observer);
     Hologram found = encode_targets(targets_of(*here, params), *here, slm, params, observer);
     found.losses.by_cone = true;  // the targets are the field's own light
@@ -185,12 +108,12 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
     observer.warn(fmt::format(
         "the processor finds the levels, because those of the SLM \"{}\" have a calibration, or depend on the pixel",
         slm.name));
-  if (encodes_on_devices(params.method) && !needs_processor) {
+  if (traits_of(params.method).is_pointwise && !needs_processor) {
     Observer of_faults;  // the device is told if it has encoded
     of_faults.on_warning = observer.on_warning;
     auto there = on_chosen_device(
-        params.device, of_faults, [&] { return fastest_to_encode(field, params); },
-        [&](Device& device) { return encode_on(device, field, begun, params, observer); });
+        params.device, of_faults, [&] { return fastest_to_encode(field, begun.hologram, begun.levels, params); },
+        [&](Device& device) { return encode_on(device, field, begun.hologram, begun.levels, params, observer); });
     if (there && *there) return finished(std::move(**there));
   }
   auto here = field.on_processor(observer);

@@ -56,9 +56,9 @@ namespace holotrace {
 /// encoding `phase_range` = 2π·λ₀/λ [rad], with a warning if it is short of 2π.
 ///
 /// All methods but error-diffusion run on an OpenCL device (params.device). Levels of those without iterations differ by
-/// rounding, by at most one; device_levels.h has the exceptions. Phases of a calibration are for the processor. A field that is
+/// rounding, by at most one; the loops of each method say where they may differ more. Phases of a calibration are for the processor. A field that is
 /// there already stays there: 2 bytes per pixel (complex: 4) come back, and up to 40 per row and column. The device `auto`
-/// counts where the field is, and transforms (encode_cost.h).
+/// counts where the field is, and what the encoder does there (encode_on_device.h).
 Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& params, const Observer& observer = {});
 Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, const Observer& observer = {});
 

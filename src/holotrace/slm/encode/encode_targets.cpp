@@ -3,12 +3,12 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/frame_start.h"
 #include "holotrace/slm/encode/iterate/gerchberg_saxton.h"
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/slm/encode/kinoform.h"
 #include "holotrace/slm/encode/phase_levels.h"
@@ -21,7 +21,7 @@ namespace {
 // Checks what all iterations need, and reports what the levels compensate.
 void check_iterations(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer) {
   check_encode_params(slm, params);
-  require(aims_at_targets(params.method),
+  require(traits_of(params.method).aims_at_targets,
           "expected a method that takes targets, gerchberg-saxton, weighted-gerchberg-saxton or sgd, got \"{}\"",
           name_of(params.method, encoding_names));
   require(params.method != Encoding::sgd || modulation_of(params, slm) != Modulation::complex ||

@@ -14,12 +14,6 @@ namespace holotrace {
 /// The moments of |U| over the panel.
 ModulusMoments modulus_moments(const Field& field);
 
-/// The level of each sample's phase, or of that of its conjugate.
-void write_phase_levels(const Field& field, bool is_conjugate, const PhaseLevels& levels, Array2D<uint16_t>& to);
-
-/// The level of |U|/largest.
-void write_amplitude_levels(const Field& field, double largest, int levels, Array2D<uint16_t>& to);
-
 /// Kinoform: the level nearest to arg(U); |U| is dropped. The panel shows exp(i·arg U). Its part along U is
 /// ⟨|U|⟩/⟨|U|²⟩·U: E = (⟨|U|²⟩/⟨|U|⟩)².
 template <class AnyField>

@@ -7,8 +7,8 @@
 #include "holotrace/base/fft.h"
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/frequency_band.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 
 namespace holotrace {
 

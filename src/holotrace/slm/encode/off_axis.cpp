@@ -11,7 +11,7 @@
 #include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/banded_low_pass.h"
+#include "holotrace/slm/encode/device_levels.h"
 #include "holotrace/slm/encode/frequency_band.h"
 #include "holotrace/slm/encode/interference_kernel.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
@@ -45,6 +45,23 @@ SpectralFilter off_axis_filter(Vec2 carrier, const Grid& grid, bool with_bias) {
 
 namespace {
 
+// The interference of a field with a reference wave of modulus ρ·max|U|, with its bias |U|² + |R|² or without.
+struct Interference {
+  ReferenceWave wave;
+  double reference = 0;
+  bool with_bias = true;
+};
+
+// The least and the largest irradiance of an interference over the panel [W/m²].
+struct IrradianceRange {
+  double least = 0, largest = 0;
+};
+
+// The level of (irradiance + offset)·scale at each pixel.
+struct Transmittances {
+  double offset = 0, scale = 1;
+};
+
 // Calls visit(row, column, irradiance) for the pixels of all rows, on many threads.
 template <class Visit>
 void visit_irradiances(const Field& field, const Interference& with, const Visit& visit) {
@@ -59,8 +76,6 @@ void visit_irradiances(const Field& field, const Interference& with, const Visit
     }
   });
 }
-
-}  // namespace
 
 IrradianceRange irradiance_range(const ShownPixels<Field>& shown, const Interference& interference) {
   constexpr double all = std::numeric_limits<double>::infinity();
@@ -82,6 +97,44 @@ void write_irradiance_levels(const ShownPixels<Field>& shown, const Interference
     to(j, i) = uint16_t(amplitude_level((irradiance + offset) * scale, levels));
   });
 }
+
+// Within 1e-6 of (|U| + |R|)². Transfers: those of each_band and of send_wave; 8 bytes per row come back.
+IrradianceRange irradiance_range(const ShownPixels<DeviceSamples>& shown, const Interference& interference) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  IrradianceRange range{none, -none};
+  each_band(shown.field, [&](const DeviceField& band, int first) {
+    Device& device = *band.device;
+    const Grid& grid = band.head.grid;
+    const WaveThere reference = send_wave(shown, interference.wave, band, first);
+    const double unit = double(reference.unit);
+    const DeviceBuffer there = device.make_buffer(2 * size_t(grid.ny) * sizeof(float), "the irradiance of rows");
+    device.run(kernel_of_pixels("irradiance_ranges"), groups_of_rows(grid.ny),
+               {band.samples, int32_t(grid.nx), reference.unit, reference.along_x, reference.along_y,
+                float(interference.reference * unit), int32_t(interference.with_bias), there});
+    const auto rows = device.fetch<float>(there);
+    for (size_t row = 0; row < rows.size(); row += 2)
+      range = {std::min(range.least, double(rows[row]) / (unit * unit)),
+               std::max(range.largest, double(rows[row + 1]) / (unit * unit))};
+  });
+  return range;
+}
+
+void write_irradiance_levels(const ShownPixels<DeviceSamples>& shown, const Interference& interference,
+                             const Transmittances& transmittances, int levels, Array2D<uint16_t>& to) {
+  fetch_levels(shown.field, to,
+               [&](const DeviceField& band, int first, const WorkSize& size, const DeviceBuffer& there) {
+                 const WaveThere reference = send_wave(shown, interference.wave, band, first);
+                 const double unit = double(reference.unit);
+                 band.device->run(kernel_of_pixels("irradiance_levels"), size,
+                                  {band.samples, int32_t(to.nx), reference.unit, reference.along_x, reference.along_y,
+                                   float(interference.reference * unit), int32_t(interference.with_bias),
+                                   float(transmittances.offset * unit * unit),
+                                   float(transmittances.scale / (unit * unit)), int32_t(levels), there});
+                 band.device->finish();  // before the wave is released
+               });
+}
+
+}  // namespace
 
 double power_inside(const ShownPixels<Field>& shown, const SpectralFilter& filter) {
   const Field& field = shown.field;
@@ -120,8 +173,7 @@ void encode_off_axis(const ShownPixels<AnyField>& shown, const EncodeParams& par
 }
 
 template void encode_off_axis(const ShownPixels<Field>&, const EncodeParams&, const Observer&, Hologram&);
-template void encode_off_axis(const ShownPixels<DeviceField>&, const EncodeParams&, const Observer&, Hologram&);
-template void encode_off_axis(const ShownPixels<BandedSamples>&, const EncodeParams&, const Observer&, Hologram&);
+template void encode_off_axis(const ShownPixels<DeviceSamples>&, const EncodeParams&, const Observer&, Hologram&);
 
 void tell_band_power(double inside, const Hologram& hologram, bool with_bias, const Observer& observer) {
   observer.fact("band_power", Fact(inside));

@@ -37,26 +37,6 @@ template <class AnyField>
 void encode_off_axis(const ShownPixels<AnyField>& shown, const EncodeParams& params, const Observer& observer,
                      Hologram& hologram);
 
-/// The interference of a field with a reference wave of modulus ρ·max|U|, with its bias |U|² + |R|² or without.
-struct Interference {
-  ReferenceWave wave;
-  double reference = 0;
-  bool with_bias = true;
-};
-
-/// The least and the largest irradiance of an interference over the panel [W/m²].
-struct IrradianceRange {
-  double least = 0, largest = 0;
-};
-IrradianceRange irradiance_range(const ShownPixels<Field>& shown, const Interference& interference);
-
-/// The level of (irradiance + offset)·scale at each pixel.
-struct Transmittances {
-  double offset = 0, scale = 1;
-};
-void write_irradiance_levels(const ShownPixels<Field>& shown, const Interference& interference,
-                             const Transmittances& transmittances, int levels, Array2D<uint16_t>& to);
-
 /// The fraction of the field's power in the band |u| ≤ half_u, |v| ≤ half_v.
 double power_inside(const ShownPixels<Field>& shown, const SpectralFilter& filter);
 

@@ -4,10 +4,9 @@
 
 namespace holotrace {
 
-/// A field that a panel is to show, U or its conjugate, with the moments of |U|. Field: on the processor, on a device where it
-/// stays (DeviceField), or on a device band by band (BandedSamples). Encoders that take all of them are written once; their loops
-/// over pixels are overloads: those of the processor are beside the encoders, those of devices in device_levels.h,
-/// device_moments.h and device_low_pass.h, those of bands in banded_levels.h and banded_low_pass.h.
+/// A field that a panel is to show, U or its conjugate, with the moments of |U|. Field: on the processor, or on a device
+/// (DeviceSamples). An encoder is written once for both; its loops over pixels are overloads: those of the processor are beside
+/// the encoders, those of devices in device_levels.h, device_moments.h and device_low_pass.h.
 template <class AnyField>
 struct ShownPixels {
   const AnyField& field;

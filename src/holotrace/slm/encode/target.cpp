@@ -7,7 +7,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/wave/propagate/propagate.h"
@@ -122,7 +122,7 @@ Field field_of_target(const TargetPlane& target, const Slm& slm, const EncodePar
                                       {.samples = PixelSamples::four, .stop = stop_width(params)});
   const double power = target_power(target);
   const int wanted = params.iterations > 0 ? params.iterations : target_field_iterations;
-  const int steps = aims_at_targets(params.method) || power == 0 ? 0 : wanted;
+  const int steps = traits_of(params.method).aims_at_targets || power == 0 ? 0 : wanted;
   // As many samples per pixel as the propagation has, whose powers add up to that of the target.
   std::vector<Field> asked = propagation.to_plane(Field(slm.grid, target.wavelength));
   const Field at_pixels = target_field(target, slm.grid, params);

@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "holotrace/wave/propagate/convolution_parts.h"
+#include "holotrace/wave/propagate/window_sum.h"
 
 namespace holotrace {
 namespace {
 
 using Complex = std::complex<float>;
+
+constexpr double sample_bytes = sizeof(Complex);  // of a field on a device
 
 // Columns of each part of the spectrum.
 std::vector<int> columns_of_parts(const Propagator<float>& plan) {
@@ -19,8 +22,14 @@ std::vector<int> columns_of_parts(const Propagator<float>& plan) {
   return columns;
 }
 
-int frequencies_of_columns(const Propagator<float>& plan) {
-  return plan.is_on_lattice() ? plan.y.padded : plan.y.frequencies();
+// Whether a transform needs work space, because its lines are too long for local memory.
+bool has_long_lines(const Device& device, const Propagator<float>& p) {
+  const auto is_long = [&](int length) { return !is_held_line(device, length); };
+  for (const PropagationAxis* axis : {&p.x, &p.y})
+    if (p.is_on_lattice() ? is_long(axis->part_length())
+                          : is_long(axis->padded) || is_long(window_length(*axis).length))
+      return true;
+  return false;
 }
 
 // Rows of `samples` each in these bytes.
@@ -54,8 +63,8 @@ BandedPlan plan_bands_of_spectrum(const Device& device, const Propagator<float>&
   // Memory for bands: less the factors of transforms, and a half if lines are too long for local memory.
   const double factors = 4 * sample_bytes * (double(x.padded) + y.padded);
   const double rows = sample_bytes * (double(plan.rows_in) * x.inputs + double(plan.rows_out) * x.outputs);
-  const double share = line_work_bytes(device, p) > 0 ? 0.5 : 1;
-  const double bins = p.is_on_lattice() ? 0 : y.frequencies(), transfer = frequencies_of_columns(p);
+  const double share = has_long_lines(device, p) ? 0.5 : 1;
+  const double bins = p.is_on_lattice() ? 0 : y.frequencies(), transfer = p.transfer_columns();
   const double most_rows = std::max(plan.rows_in, plan.rows_out);
   const double column = most_rows + y.inputs + bins + y.outputs + transfer;
   const double longest = std::max({most_rows, double(y.inputs), bins, double(y.outputs), transfer});
@@ -86,7 +95,7 @@ BandedPropagation::Work BandedPropagation::make_work(const BandedPlan& plan) {
   const double columns = plan.columns;
   return {make(double(plan.rows_in) * x.inputs),
           make(double(plan.rows_out) * x.outputs),
-          make(columns * frequencies_of_columns(*propagator_)),
+          make(columns * propagator_->transfer_columns()),
           make(columns * std::max(plan.rows_in, plan.rows_out)),
           make(columns * y.inputs),
           make(windows_ ? columns * y.frequencies() : 0),
@@ -96,6 +105,8 @@ BandedPropagation::Work BandedPropagation::make_work(const BandedPlan& plan) {
 // The rows of the transfer function of a band's columns, one after the other.
 void BandedPropagation::send_transfer(const Turn& turn) {
   const Array2D<Complex>& all = propagator_->transfer;
+  const size_t bytes = size_t(turn.band.count) * size_t(propagator_->transfer_columns()) * sizeof(Complex);
+  if (all.size() == 0) return device_.write(turn.work.transfer, nullptr, bytes);
   std::vector<Complex> some;
   some.reserve(size_t(turn.band.count) * size_t(all.nx));
   const auto append = [&](int row) { some.insert(some.end(), all.row(row), all.row(row) + all.nx); };
@@ -103,16 +114,17 @@ void BandedPropagation::send_transfer(const Turn& turn) {
     for (const int row : convolution_->transfer_rows(turn.band)) append(row);
   else
     for (int i = 0; i < turn.band.count; ++i) append(turn.band.first + i);
-  device_.write(turn.work.transfer, some.data(), some.size() * sizeof(Complex));
+  device_.write(turn.work.transfer, some.data(), bytes);
 }
 
-void BandedPropagation::enter(const Field& field, const Turn& turn) {
+void BandedPropagation::enter(const Field* field, const Turn& turn) {
   const auto& [plan, work, band, is_first, is_last] = turn;
   const PropagationAxis &x = propagator_->x, &y = propagator_->y;
   for (int row = 0; row < y.inputs; row += plan.rows_in) {
     const int rows = std::min(plan.rows_in, y.inputs - row);
     if (is_first || !plan.has_fields)
-      device_.write(work.from, field.samples.row(row), size_t(rows) * size_t(x.inputs) * sizeof(Complex));
+      device_.write(work.from, field ? field->samples.row(row) : nullptr,
+                    size_t(rows) * size_t(x.inputs) * sizeof(Complex));
     if (convolution_)
       convolution_->enter(band, rows, work.from, work.rows);
     else
@@ -123,35 +135,43 @@ void BandedPropagation::enter(const Field& field, const Turn& turn) {
 
 void BandedPropagation::filter(const Turn& turn) {
   const Work& work = turn.work;
-  const LineFactors transfer{&work.transfer, 0, 1, frequencies_of_columns(*propagator_), 0};
+  const LineFactors transfer{&work.transfer, 0, 1, propagator_->transfer_columns(), 0};
   if (convolution_)
     convolution_->filter(turn.band, transfer, work.columns, work.filtered);
   else
     windows_->filter(turn.band, transfer, work.columns, work.bins, work.filtered);
 }
 
-void BandedPropagation::leave(const Turn& turn, Field& out) {
+void BandedPropagation::leave(const Turn& turn, Field* out) {
   const auto& [plan, work, band, is_first, is_last] = turn;
   const PropagationAxis &x = propagator_->x, &y = propagator_->y;
   for (int row = 0; row < y.outputs; row += plan.rows_out) {
     const int rows = std::min(plan.rows_out, y.outputs - row);
     const size_t bytes = size_t(rows) * size_t(x.outputs) * sizeof(Complex);
     lines_.transpose(band.count, rows, work.filtered, {y.outputs, row}, work.rows, {});
-    if (!is_first && !plan.has_fields) device_.write(work.to, out.samples.row(row), bytes);
+    Complex* const samples = out ? out->samples.row(row) : nullptr;
+    if (!is_first && !plan.has_fields) device_.write(work.to, samples, bytes);
     if (convolution_)
       convolution_->leave(band, rows, !is_first, work.rows, work.to);
     else
       windows_->leave(band, rows, !is_first, work.rows, work.to);
-    if (is_last || !plan.has_fields) device_.read(work.to, out.samples.row(row), bytes);
+    if (is_last || !plan.has_fields) device_.read(work.to, samples, bytes);
   }
 }
 
 Field BandedPropagation::operator()(const Field& field, const Observer& observer) {
   check_field(field, *propagator_);
+  Field out(propagator_->output, field.wavelength, field.z + propagator_->distance);
+  run(&field, &out, observer);
+  out.image = field.image;
+  out.filter = field.filter;
+  return out;
+}
+
+void BandedPropagation::run(const Field* field, Field* out, const Observer& observer) {
   const auto lock = device_.lock();
   const BandedPlan plan = plan_bands_of_spectrum(device_, *propagator_, device_.memory_left());
   const Work work = make_work(plan);
-  Field out(propagator_->output, field.wavelength, field.z + propagator_->distance);
   const size_t count = plan.bands.size();
   for (size_t b = 0; b < count; ++b) {
     const Turn turn{plan, work, plan.bands[b], b == 0, b + 1 == count};
@@ -162,19 +182,16 @@ Field BandedPropagation::operator()(const Field& field, const Observer& observer
     device_.finish();
     observer.progress(double(b + 1) / double(count));
   }
-  out.image = field.image;
-  out.filter = field.filter;
-  return out;
 }
 
-DevicePropagationCost banded_propagation_cost(const Device& device, const Propagator<float>& p, double memory) {
-  DevicePropagationCost cost = device_propagation_cost(device, p);
-  const BandedPlan plan = plan_bands_of_spectrum(device, p, memory);
-  const double in = sample_bytes * p.x.inputs * p.y.inputs, out = sample_bytes * p.x.outputs * p.y.outputs;
-  const double bands = double(plan.bands.size()), parts = p.is_on_lattice() ? p.x.parts : 1;
-  cost.moved += std::max(0.0, bands - parts) * (in + 2 * out);  // each band reads the input, and adds to the output
-  if (!plan.has_fields) cost.fields = bands * in + (2 * bands - 1) * out;
-  return cost;
+DevicePropagationCost banded_propagation_cost(const Device& device, const Propagator<float>& plan, double memory) {
+  Device counter(device.info(), memory);
+  BandedPropagation(counter, std::make_shared<const Propagator<float>>(plan)).run(nullptr, nullptr);
+  const DeviceUse use = counter.use();
+  return {.work = double(use.most_held),
+          .fields = double(use.bytes_in + use.bytes_out),
+          .largest = double(use.largest_buffer),
+          .moved = double(use.bytes_moved)};
 }
 
 }  // namespace holotrace

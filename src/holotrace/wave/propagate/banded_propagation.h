@@ -7,8 +7,8 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/propagate/device_windows.h"
-#include "holotrace/wave/propagate/propagation_cost.h"
 
 namespace holotrace {
 
@@ -37,14 +37,17 @@ class BandedPropagation {
   /// @throws Error  as propagate and Device do
   Field operator()(const Field& field, const Observer& observer = {});
 
+  /// The same, to the samples of `out`. A device that only counts needs no fields.
+  void run(const Field* field, Field* out, const Observer& observer = {});
+
  private:
   struct Work;
   struct Turn;  // of a band
   Work make_work(const BandedPlan& plan);
   void send_transfer(const Turn& turn);
-  void enter(const Field& field, const Turn& turn);
+  void enter(const Field* field, const Turn& turn);
   void filter(const Turn& turn);
-  void leave(const Turn& turn, Field& out);
+  void leave(const Turn& turn, Field* out);
 
   Device& device_;
   std::shared_ptr<const Propagator<float>> propagator_;
@@ -53,7 +56,8 @@ class BandedPropagation {
   LineTransforms lines_;
 };
 
-/// What such a propagation takes on a device with that free memory; `kept` is sent for every field, and not kept.
+/// What such a propagation takes on a device with that free memory: it is run on one that only counts. Nothing is kept, so
+/// `fields` has all that is transferred.
 DevicePropagationCost banded_propagation_cost(const Device& device, const Propagator<float>& plan, double memory);
 
 }  // namespace holotrace

@@ -32,11 +32,12 @@ DeviceBuffer upload_factors(Device& device, const std::vector<Complex>& values) 
 
 DeviceConvolution::DeviceConvolution(Device& device, const Propagator<float>& p, const std::vector<Vec2>& shifts,
                                      TransferFunction transfer)
-    : device_(device), along_x_(p.x), along_y_(p.y), lines_(device), transfer_columns_(p.transfer.nx) {
+    : device_(device), along_x_(p.x), along_y_(p.y), lines_(device), transfer_columns_(p.transfer_columns()) {
   require(p.is_on_lattice(), "expected a propagation between windows of one pitch, got two pitches");
   const auto lock = device_.lock();
   if (transfer == TransferFunction::on_device) {
-    transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
+    transfer_ = device_.make_buffer(size_t(p.transfer_rows()) * size_t(p.transfer_columns()) * sizeof(Complex),
+                                    "a transfer function");
     device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
   }
   for (int part = 0; part < p.x.parts; ++part)

@@ -29,21 +29,40 @@ struct DevicePropagator::Work {
 };
 
 DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
-    : device_(device), plan_(without_transfer(p)), transfer_columns_(p.transfer.nx) {
+    : device_(device), plan_(without_transfer(p)), transfer_columns_(p.transfer_columns()) {
   if (p.is_on_lattice()) {
     convolution_.emplace(device, p);
     return;
   }
   const auto lock = device_.lock();
-  transfer_ = device_.make_buffer(p.transfer.size() * sizeof(Complex), "a transfer function");
+  transfer_ = device_.make_buffer(size_t(p.transfer_rows()) * size_t(p.transfer_columns()) * sizeof(Complex),
+                                  "a transfer function");
   device_.write(transfer_, p.transfer.values.data(), transfer_.bytes());
   windows_.emplace(device, p);
+}
+
+DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan) {
+  Device counter(device.info(), device.memory());
+  const auto make = [&](const Grid& grid) { return make_samples(counter, grid.ny, grid.nx); };
+  DevicePropagator propagator(counter, plan);
+  DevicePropagationCost cost;
+  {
+    const DeviceBuffer from = make(plan.input), to = make(plan.output);
+    cost.fields = double(from.bytes() + to.bytes());
+    propagator.run(from, to);
+  }
+  const DeviceUse use = counter.use();
+  cost.kept = double(use.bytes_held);
+  cost.work = double(use.most_held) - cost.kept;
+  cost.largest = double(use.largest_buffer);
+  cost.moved = double(use.bytes_moved);
+  return cost;
 }
 
 DevicePropagator::Work DevicePropagator::make_work() {
   if (convolution_) return {convolution_->make_work()};
   const PropagationAxis& y = plan_.y;
-  const double columns = columns_at_once(plan_);
+  const double columns = plan_.x.frequencies();
   return {{},
           make_samples(device_, std::max(y.inputs, y.outputs), columns),
           make_samples(device_, y.inputs, columns),

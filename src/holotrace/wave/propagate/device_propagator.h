@@ -13,6 +13,15 @@
 
 namespace holotrace {
 
+/// Memory and transfers of a propagation on a device [bytes].
+struct DevicePropagationCost {
+  double kept = 0;     ///< the transfer function and all other factors, which are sent once and stay on the device
+  double work = 0;     ///< memory during a propagation: both fields, and the spectrum in between
+  double fields = 0;   ///< samples that are sent and fetched
+  double largest = 0;  ///< the largest buffer
+  double moved = 0;    ///< what the kernels read and write, if the device's caches hold nothing
+};
+
 /// A propagator on an OpenCL device, for fields in single precision, with the windows and the methods of the processor:
 /// device_convolution.h, and for windows of another pitch device_windows.h. The transfer function and all
 /// other factors are sent once, and stay on the device with this object.
@@ -36,8 +45,6 @@ class DevicePropagator {
   /// @throws Error  as Device does
   void run(const DeviceBuffer& from, const DeviceBuffer& to, const Observer& observer = {});
 
-  DevicePropagationCost cost() const { return device_propagation_cost(device_, plan_); }
-
  private:
   struct Work;
   struct Ends {
@@ -54,5 +61,8 @@ class DevicePropagator {
   DeviceBuffer transfer_;
   int transfer_columns_;
 };
+
+/// The cost of a plan: it is run on a device that only counts.
+DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan);
 
 }  // namespace holotrace

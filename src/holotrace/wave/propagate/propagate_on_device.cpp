@@ -26,7 +26,11 @@
 namespace holotrace {
 namespace {
 
-using Kept = KeptPropagators<DevicePropagator>;
+struct ReadyPropagator {
+  DevicePropagator propagator;
+  DevicePropagationCost cost;
+};
+using Kept = KeptPropagators<ReadyPropagator>;
 
 // Those of each device. Never destroyed: at the end of the program, drivers may have shut down before.
 struct DeviceCaches {
@@ -66,7 +70,7 @@ void drop_beyond(double bytes) {
 
 // The propagator as it is on the device, or as it will be sent there.
 struct Prepared {
-  KeptPropagator<DevicePropagator> kept;
+  KeptPropagator<ReadyPropagator> kept;
   std::shared_ptr<const Propagator<float>> host{};
 };
 
@@ -84,19 +88,20 @@ Prepared prepare(const Device& device, const PropagationQuestion& q) {
 DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& question, Prepared& prepared,
                                    double present) {
   Kept& kept = kept_on(device);
-  KeptPropagator<DevicePropagator>& ready = prepared.kept;
+  KeptPropagator<ReadyPropagator>& ready = prepared.kept;
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
   const DevicePropagationCost cost =
-      ready.propagator ? ready.propagator->cost() : device_propagation_cost(device, *prepared.host);
+      ready.propagator ? ready.propagator->cost : device_propagation_cost(device, *prepared.host);
   const double needed = cost.work - present + (ready.propagator ? 0 : cost.kept);
   if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? cost.kept : 0);  // this one was used last
   if (needed > device.memory_left() || cost.largest > device.info().largest_buffer) return nullptr;
   if (!ready.propagator) {
-    ready.propagator = std::make_shared<DevicePropagator>(device, *prepared.host);
+    ready.propagator =
+        std::make_shared<ReadyPropagator>(ReadyPropagator{DevicePropagator(device, *prepared.host), cost});
     kept.keep(question, ready, cost.kept, device_propagator_bytes(device));
   }
-  return ready.propagator.get();
+  return &ready.propagator->propagator;
 }
 
 // A start of kernels and waiting for them, on slow drivers [s].
@@ -215,12 +220,13 @@ double PropagationForecast::on_processor() const { return plan_ ? seconds_to_pro
 double PropagationForecast::on_device(Device& device) const {
   if (!plan_) return 0;
   const DeviceRates rates = device_rates(device);
-  DevicePropagationCost cost = device_propagation_cost(device, *plan_);
-  double sent = kept_on(device).find(question_) ? 0 : cost.kept;  // beside the fields, once
-  const double memory = device.memory();                          // once all others are dropped
+  const auto kept = kept_on(device).find(question_);
+  DevicePropagationCost cost = kept ? kept->propagator->cost : device_propagation_cost(device, *plan_);
+  double sent = kept ? 0 : cost.kept;     // beside the fields, once
+  const double memory = device.memory();  // once all others are dropped
   if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
     const DevicePropagationCost banded = banded_propagation_cost(device, *plan_, memory);
-    sent = banded.kept + banded.fields - cost.fields;
+    sent = banded.fields - cost.fields;
     cost = banded;
   }
   const double sending = sent > 0 ? sent / rates.bytes : 0;  // also if the rate is 0, because it was not measured

@@ -26,6 +26,8 @@ struct Propagator {
   Array2D<std::complex<Real>> transfer;
 
   bool is_on_lattice() const { return x.is_on_lattice() && y.is_on_lattice(); }
+  int transfer_rows() const { return x.slots(); }
+  int transfer_columns() const { return is_on_lattice() ? y.padded : y.frequencies(); }
   double bytes() const { return double(transfer.size()) * sizeof(std::complex<Real>); }
 };
 

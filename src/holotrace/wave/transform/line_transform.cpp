@@ -72,11 +72,15 @@ int held_samples(const Device& device, int length) {
   return 0;
 }
 
-bool is_held(const Device& device, int length) {
+}  // namespace
+
+bool is_held_line(const Device& device, int length) {
   const std::vector<int> factors = factors_of(length);
   return held_samples(device, length) > 0 && factors.size() <= size_t(most_passes) &&
          std::all_of(factors.begin(), factors.end(), [](int f) { return f <= 8 && f != 7; });
 }
+
+namespace {
 
 int lines_at_once(const Device& device, int length, int lines) {
   const double work = std::min(most_work, device.memory_left() / 2);
@@ -120,12 +124,23 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
                      &leave = or_none(t.out.factors);
   const std::vector<int> factors = factors_of(t.length);
   LineJob job = job_of(t);
-  if (is_held(device_, t.length)) {
+  // What so many lines read and write.
+  const auto entering = [&](int count) {
+    return KernelArgument::moving(from, size_t(count) * size_t(t.in.count) * sizeof(Complex));
+  };
+  const auto leaving = [&](int count) {
+    return KernelArgument::moving(to, size_t(count) * size_t(t.out.count) * sizeof(Complex) * (t.adds ? 2 : 1));
+  };
+  const auto filtering = [&](int count) {
+    const size_t of_line = t.filter.values ? size_t(t.length) * sizeof(Complex) : 0;
+    return KernelArgument::moving(filter, of_line * (t.filter.step != 0 ? size_t(count) : 1));
+  };
+  if (is_held_line(device_, t.length)) {
     const int held = held_samples(device_, t.length);
     job.passes = int(factors.size());
     std::copy(factors.begin(), factors.end(), job.radix);
     device_.run(kernel_for("transform_lines", held), {size_t(lines), 1, size_t(held / samples_of_item), 1},
-                {job, roots, from, enter, filter, ramp, leave, to});
+                {job, roots, entering(lines), enter, filtering(lines), ramp, leave, leaving(lines)});
     return;
   }
   const int most = lines_at_once(device_, t.length, lines);
@@ -145,13 +160,14 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
                       size_t(column_group), 1};
     };
     const WorkSize size = size_for(t.length);
-    device_.run(kernel_for("enter_lines", 1024), size, {job, from, enter, work});
+    const int count = std::min(most, lines - job.first);
+    device_.run(kernel_for("enter_lines", 1024), size, {job, entering(count), enter, work});
     transform(size, job.sign);
     if (job.has_second) {
-      device_.run(kernel_for("filter_lines", 1024), size, {job, filter, ramp, work});
+      device_.run(kernel_for("filter_lines", 1024), size, {job, filtering(count), ramp, KernelArgument::changed(work)});
       transform(size, -job.sign);
     }
-    device_.run(kernel_for("leave_lines", 1024), size_for(t.out.count), {job, work, leave, to});
+    device_.run(kernel_for("leave_lines", 1024), size_for(t.out.count), {job, work, leave, leaving(count)});
   }
   device_.finish();  // before the work space is released
 }
@@ -159,27 +175,19 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
 void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const DeviceBuffer& to, int matrices) {
   const int step = matrices > 1 ? rows * columns : 0;
   const PlaceOnDevice source{columns, 0, step}, target{rows, 0, step};
+  const size_t bytes = size_t(rows) * size_t(columns) * size_t(matrices) * sizeof(Complex);
   device_.run(kernel_for("transpose_lines", 1024),
               {tiles_of(columns), tiles_of(rows), size_t(tile), size_t(tile), size_t(matrices)},
-              {rows, columns, source, target, from, to});
+              {rows, columns, source, target, KernelArgument::moving(from, bytes), KernelArgument::moving(to, bytes)});
 }
 
 void LineTransforms::transpose(int rows, int columns, const DeviceBuffer& from, const MatrixPlace& source,
                                const DeviceBuffer& to, const MatrixPlace& target) {
   const PlaceOnDevice there{source.stride > 0 ? source.stride : columns, source.offset, 0},
       here{target.stride > 0 ? target.stride : rows, target.offset, 0};
+  const size_t bytes = size_t(rows) * size_t(columns) * sizeof(Complex);
   device_.run(kernel_for("transpose_lines", 1024), {tiles_of(columns), tiles_of(rows), size_t(tile), size_t(tile)},
-              {rows, columns, there, here, from, to});
-}
-
-double line_transform_bytes(const Device& device, int length, int lines) {
-  const double factors = double(length) * sizeof(Complex);
-  return factors * (is_held(device, length) ? 1 : 1 + 2.0 * lines_at_once(device, length, lines));
-}
-
-int line_transform_passes(const Device& device, int length, bool has_filter) {
-  const int factors = int(factors_of(length).size());
-  return is_held(device, length) ? 0 : 1 + (has_filter ? 2 * factors + 1 : factors);
+              {rows, columns, there, here, KernelArgument::moving(from, bytes), KernelArgument::moving(to, bytes)});
 }
 
 }  // namespace holotrace

@@ -63,11 +63,7 @@ class LineTransforms {
   std::map<int, DeviceBuffer> twiddles_;
 };
 
-/// Memory that `run` needs for itself at most [bytes].
-double line_transform_bytes(const Device& device, int length, int lines);
-
-/// How often `run` reads and writes all samples of a period, beside those that enter and leave: 0 for a line that is read and
-/// written once. @param has_filter  whether the line is transformed back
-int line_transform_passes(const Device& device, int length, bool has_filter = false);
+/// Whether a device's local memory holds a line, so that it is read and written once.
+bool is_held_line(const Device& device, int length);
 
 }  // namespace holotrace

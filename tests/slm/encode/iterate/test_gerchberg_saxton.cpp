@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/slm/encode/target.h"

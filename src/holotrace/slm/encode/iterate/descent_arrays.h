@@ -11,7 +11,6 @@
 #include "holotrace/data/target.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 #include "holotrace/slm/encode/iterate/iteration_kernels.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
 // What a gradient descent does with arrays: frame_descent.h and colour.h say when, and with which numbers. The processor

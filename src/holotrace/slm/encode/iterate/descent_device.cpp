@@ -5,8 +5,9 @@
 #include <limits>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/iterate/frame_share.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/shared/device_rates.h"
 #include "holotrace/wave/shared/device_room.h"

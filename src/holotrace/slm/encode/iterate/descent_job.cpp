@@ -7,7 +7,7 @@
 #include "holotrace/base/fingerprint.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/members.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/data/params/encode.h"
 
 namespace holotrace {
 IterationState descent_job(const TargetSet& targets, const Slm& slm, const EncodeParams& params,

@@ -7,7 +7,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
+#include "holotrace/data/params/encode.h"
 
 namespace holotrace {
 namespace {

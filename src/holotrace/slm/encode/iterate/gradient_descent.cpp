@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/iterate/descent_device.h"
 #include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/device_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
 #include "holotrace/slm/encode/iterate/iteration_place.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/shared_frames.h"
 

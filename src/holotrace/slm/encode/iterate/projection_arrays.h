@@ -8,7 +8,6 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
-#include "holotrace/slm/encode/iterate/iterations.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
 namespace holotrace {
