@@ -11,10 +11,10 @@
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/calibrate/charts.h"
 #include "holotrace/calibrate/fit_json.h"
 #include "holotrace/calibrate/fit_panel.h"
 #include "holotrace/calibrate/patterns.h"
+#include "holotrace/data/chart.h"
 #include "holotrace/io/calibration/panel_file.h"
 #include "holotrace/io/calibration/plan_file.h"
 #include "holotrace/io/files/output.h"
@@ -25,6 +25,53 @@
 
 namespace holotrace {
 namespace {
+
+/// The phase of each level: assumed, measured with its standard errors, and as written to the panel file.
+Chart curve_chart(const PanelFit& fit) {
+  Chart chart{"Phase of each level", "level", "phase [rad]", {}, false, false, false, {}};
+  Series curve{"fitted curve", {}, {}}, measured{"measured levels", {}, {}, true, false},
+      assumed{"assumed before", {}, {}};
+  assumed.is_dashed = true;
+  const std::vector<CalibrationPoint>& points = fit.slm.effects.calibration;
+  for (size_t level = 0; level < points.size(); ++level) {
+    curve.x.push_back(double(level));
+    curve.y.push_back(points[level].phase);
+  }
+  std::vector<Series> bars;
+  for (const MeasuredLevel& level : fit.levels) {
+    measured.x.push_back(level.level);
+    measured.y.push_back(level.phase.value);
+    assumed.x.push_back(level.level);
+    assumed.y.push_back(level.assumed_phase);
+    Series bar{"",
+               {double(level.level), double(level.level)},
+               {level.phase.value - level.phase.error, level.phase.value + level.phase.error}};
+    bar.colour = 1;
+    bars.push_back(bar);
+  }
+  chart.series = {curve, measured, assumed};
+  chart.series.insert(chart.series.end(), bars.begin(), bars.end());
+  return chart;
+}
+
+/// The rms difference between each photograph and its simulation.
+Chart residual_chart(const PanelFit& fit) {
+  Chart chart{"Photographs against the fitted panel",
+              "photograph",
+              "rms difference, of the mean light",
+              {},
+              false,
+              false,
+              false,
+              {}};
+  Series rms{"", {}, {}, true, false};
+  for (size_t n = 0; n < fit.photographs.size(); ++n) {
+    rms.x.push_back(double(n + 1));
+    rms.y.push_back(fit.photographs[n].residual);
+  }
+  chart.series = {rms};
+  return chart;
+}
 
 struct PatternOptions {
   std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", output;

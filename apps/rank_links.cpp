@@ -48,7 +48,7 @@ void serve_frames(Ranks& ranks, const Ranks::Message& first) {
                                   size_t(threads > 0 ? threads : ranks.threads()));
   ignore_interrupts();  // rank 0 saves, and ends all ranks
   RankLinks links(ranks);
-  while (links.has_job()) find_frames_of_others(links);
+  while (links.has_job()) find_frames_of_rank(links);
 }
 
 }  // namespace holotrace

@@ -6,8 +6,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -71,8 +70,7 @@ void rows_add_f(float* to, const float* a, const float* f, size_t n, size_t w) {
 void rows_add_d(double* to, const double* a, const double* f, size_t n, size_t w) { row_product<true>(to, a, f, n, w); }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -103,11 +103,6 @@ TEST_P(ShowDevices, ShowTheFieldOfTheProcessor) {
   }
 }
 
-TEST_P(ShowDevices, GiveTheSameBytesForTheSameInput) {
-  const ShowParams params = on_device(one_.params);
-  EXPECT_EQ(shown(one_, params).samples.values, shown(one_, params).samples.values);
-}
-
 // Four bytes for the level of each pixel and for the projection of the light over a pixel, and eight for each sample that
 // comes back.
 TEST_P(ShowDevices, TransferLevelsAndTheFieldOnly) {
@@ -120,16 +115,6 @@ TEST_P(ShowDevices, TransferLevelsAndTheFieldOnly) {
   EXPECT_GE(after.bytes_in - before.bytes_in, pixels * 4);
   EXPECT_LE(after.bytes_in - before.bytes_in, pixels * 4 + 4 + 2 * lines * 2 * 8)
       << "weights and factors of transforms";
-}
-
-TEST_P(ShowDevices, AreTakenByAutoIfTheyAreFaster) {
-  make_device_fast(1e15);
-  EXPECT_TRUE(uses_device(automatic(one_.params)));
-  make_device_fast(1e-3);
-  EXPECT_FALSE(uses_device(automatic(one_.params)));
-  set_device_rates({});
-  EXPECT_FALSE(uses_device(automatic(one_.params))) << "not measured";
-  EXPECT_FALSE(uses_device(one_.params)) << "the processor is the default";
 }
 
 // What does not fit at once is done in bands; the bytes are the same. The limits are those where a byte less makes a band more.
@@ -168,7 +153,7 @@ TEST_P(ShowDevices, LetTheFieldStayIfItFits) {
   const double bytes = double(expected.samples.size()) * 8;
   const auto left_with = [&](double memory) {
     device_.limit_memory((double(device_.use().bytes_held) + memory) / 0.8);
-    return *leave_and_stay_on_device(panel, {drive}, choice);
+    return *leave_to_device(panel, {drive}, choice);
   };
   for (const double memory : {1e8, 2.2 * bytes}) {
     const LeftField stays = left_with(memory);
@@ -197,23 +182,6 @@ TEST_P(ShowDevices, CountTheirBandsForAuto) {
   EXPECT_FALSE(uses_bus(6e4, 20e3));
 }
 
-// A named device says that memory is short; `auto` knows it, and takes the processor.
-TEST_P(ShowDevices, SayThatMemoryIsShort) {
-  device_.limit_memory((double(device_.use().bytes_held) + 1e3) / 0.8);
-  const std::string error = error_of([&] { shown(one_, on_device(one_.params)); });
-  EXPECT_EQ(error.rfind("expected memory for a row and a column of a panel of 48 × 37 pixels on the device " +
-                            device_.info().name + ", got ",
-                        0),
-            0u)
-      << error;
-  make_device_fast(1e15);
-  Heard heard;
-  EXPECT_EQ(shown(one_, automatic(one_.params), heard.observer()).samples.values,
-            shown(one_, one_.params).samples.values);
-  EXPECT_TRUE(heard.warnings.empty());
-  EXPECT_EQ(heard.facts.count("device"), 0u);
-}
-
 #if HOLOTRACE_HAS_OPENCL
 // Every seventh call fails: memory, transfers and kernels.
 TEST_P(ShowDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
@@ -240,13 +208,6 @@ TEST_P(ShowDevices, RefuseAPatternOfAnotherSize) {
               "expected a drive of 48 × 37 pixels, as the SLM \"test\" has, got 3 × 2");
     EXPECT_TRUE(heard.warnings.empty());
   }
-}
-
-TEST(ShowOnNoDevice, IsAnError) {
-  const ShownCase one{"one"};
-  ShowParams params;
-  params.device = {DeviceKind::opencl, 1000};
-  EXPECT_NE(error_of([&] { show(one.hologram(), one.slm, params); }), "no error");
 }
 
 }  // namespace

@@ -8,8 +8,7 @@
 #include "holotrace/estimate/machine/peak_rate.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -33,8 +32,7 @@ double MultiplyAdds(int steps, float start, float& sum) {
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "holotrace/slm/encode/device_samples.h"
-#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/slm/encode/sample_loops.h"
 #include "holotrace/wave/shared/device_field.h"
 
 // The moduli of a field on an OpenCL device, in single precision. Errors are those of Device. Transfers, beside those of

@@ -1,6 +1,6 @@
 #pragma once
 
-// A pixel of a double-phase hologram, in the common language of C++ and OpenCL C. The loop of sample_kernels.cpp says the
+// A pixel of a double-phase hologram, in the common language of C++ and OpenCL C. The loop of sample_loops.cpp says the
 // same in vectors; a test compares both.
 
 #ifdef __OPENCL_VERSION__

@@ -9,7 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/slm/encode/sample_loops.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 #include "holotrace/slm/panel/static_errors.h"
 

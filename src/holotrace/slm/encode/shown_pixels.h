@@ -1,6 +1,6 @@
 #pragma once
 
-#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/slm/encode/sample_loops.h"
 
 namespace holotrace {
 

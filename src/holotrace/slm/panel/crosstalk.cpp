@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "holotrace/base/array.h"
-#include "holotrace/slm/panel/blur_kernels.h"
+#include "holotrace/slm/panel/blur_loops.h"
 
 namespace holotrace {
 namespace {

@@ -99,8 +99,8 @@ std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern
                             [&](Device& device) { return leave_to_processor(device, panel, pattern); });
 }
 
-std::optional<LeftField> leave_and_stay_on_device(const PanelModel& panel, const PanelPattern& pattern,
-                                                  const DeviceChoice& choice, const Observer& observer) {
+std::optional<LeftField> leave_to_device(const PanelModel& panel, const PanelPattern& pattern,
+                                         const DeviceChoice& choice, const Observer& observer) {
   return leave_where_chosen(panel, pattern, choice, false, observer, [&](Device& device) {
     const auto with_power = [](auto field) {
       const double here = power(field);

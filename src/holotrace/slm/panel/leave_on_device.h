@@ -40,7 +40,7 @@ struct LeftField {
 };
 
 /// The same, but the field stays on the device if that has memory for it.
-std::optional<LeftField> leave_and_stay_on_device(const PanelModel& panel, const PanelPattern& pattern,
-                                                  const DeviceChoice& choice, const Observer& observer = {});
+std::optional<LeftField> leave_to_device(const PanelModel& panel, const PanelPattern& pattern,
+                                         const DeviceChoice& choice, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -5,7 +5,7 @@
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/complex_product.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/slm/panel/blur_kernels.h"
+#include "holotrace/slm/panel/blur_loops.h"
 #include "holotrace/slm/panel/panel_parts.h"
 #include "holotrace/slm/panel/phasors.h"
 

@@ -9,8 +9,7 @@
 #include "holotrace/wave/shared/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 void phasors_loop(const float* cycles, const float* amplitude, size_t count, float* to) {
@@ -27,8 +26,7 @@ void phasors_loop(const float* cycles, const float* amplitude, size_t count, flo
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

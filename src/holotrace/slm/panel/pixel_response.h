@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/slm.h"
-#include "holotrace/slm/panel/response_kernels.h"
+#include "holotrace/slm/panel/response_loops.h"
 
 namespace holotrace {
 

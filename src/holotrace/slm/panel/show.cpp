@@ -199,7 +199,7 @@ ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams
                       const IlluminationState& state, const Observer& observer) {
   const auto shown = std::make_shared<const Shown>(ready_to_show(hologram, slm, params, state, observer));
   const double power_in = shown->panel.power_in();
-  std::optional<LeftField> there = leave_and_stay_on_device(shown->panel, shown->pattern(), params.device, observer);
+  std::optional<LeftField> there = leave_to_device(shown->panel, shown->pattern(), params.device, observer);
   DeviceField* const on_device = there ? std::get_if<DeviceField>(&there->field) : nullptr;
   if (!on_device) {
     Field field = there ? std::get<Field>(std::move(there->field)) : shown->on_processor();

@@ -10,8 +10,7 @@
 #include "holotrace/trace/shared/vector_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 HWY_INLINE void store(V value, float* lanes, size_t i) {
@@ -58,8 +57,7 @@ void fill_rays(const RayLanes& rays, uint32_t asked, const ScenePrecision& preci
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -14,8 +14,7 @@
 #include "holotrace/trace/shared/vector_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 // Numbers in [0, 1) from their 32 bits.
@@ -113,8 +112,7 @@ void sample_directions(const DiffuseSurfaces& at, const uint32_t* u, const uint3
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -14,8 +14,7 @@
 #include "holotrace/trace/shared/lanes.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -60,8 +59,7 @@ HWY_INLINE Vectors add_times(const Vectors& a, const Vectors& b, V s) {
 HWY_INLINE V length_of(const Vectors& a) { return hn::Sqrt(dot_of(a, a)); }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -18,8 +18,7 @@
 #include "holotrace/wave/shared/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 constexpr int batch = 64;
@@ -179,8 +178,7 @@ void call_with_width(int width, const Work& work) {
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

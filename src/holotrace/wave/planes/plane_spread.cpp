@@ -15,8 +15,7 @@
 #include "holotrace/wave/planes/plane_batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 // Weights of cells for vector v of a line, each repeated for the `floats` numbers of its cell.
@@ -164,8 +163,7 @@ bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -14,8 +14,7 @@
 #include "holotrace/wave/planes/plane_batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 // Prepares the entries of a strip: w.of_strip, and their order by the first cell that they are spread over.
@@ -143,8 +142,7 @@ void SpreadStrip(const std::vector<PreparedWave>& waves, const Slab& slab, const
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

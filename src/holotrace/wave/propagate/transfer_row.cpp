@@ -9,8 +9,7 @@
 #include "holotrace/wave/shared/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 void transfer_loop(const TransferRow& row, const double* v2, size_t count, float* to) {
@@ -26,8 +25,7 @@ void transfer_loop(const TransferRow& row, const double* v2, size_t count, float
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

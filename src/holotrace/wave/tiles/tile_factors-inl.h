@@ -14,8 +14,7 @@
 #include "holotrace/wave/tiles/tile_sum.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 
 using Floats = hn::ScalableTag<float>;
 using V = hn::Vec<Floats>;
@@ -172,8 +171,7 @@ HWY_INLINE void column_factor(const TileBatch& b, int k, V u, V index, bool has_
   im = hn::Mul(im, modulus);
 }
 
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

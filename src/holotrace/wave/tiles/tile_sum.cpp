@@ -17,8 +17,7 @@
 #include "holotrace/wave/tiles/tile_factors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 constexpr int pairs = batch / 2;
@@ -296,8 +295,7 @@ void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const
 std::string TargetName() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -13,8 +13,7 @@
 #include "holotrace/wave/shared/wave_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 using Floats = hn::ScalableTag<float>;
@@ -299,8 +298,7 @@ void SumTriangleTile(const std::vector<TrianglePart>& parts, const LitGrid& pane
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -26,21 +26,10 @@ class DescentDevices : public test::DescentsOnDevices {
   using DescentsOnDevices::automatic;
   EncodeParams automatic() const { return automatic(one_.params); }
 
-  bool uses_device(const EncodeParams& params) const {
-    const size_t before = device_.use().kernels;
-    found(one_, params);
-    return device_.use().kernels > before;
-  }
-
   DescentCase one_{"one"};
 };
 
 HOLOTRACE_FOR_ALL_DEVICES(DescentDevices);
-
-TEST_P(DescentDevices, GiveTheSameBytesForTheSameInput) {
-  one_.frames = 4;
-  EXPECT_TRUE(are_same(found(one_, on_device(one_.params)), found(one_, on_device(one_.params))));
-}
 
 // Of an update, two sums and an error of each row; the same for every update.
 TEST_P(DescentDevices, ReturnTheRowSumsOnly) {
@@ -96,39 +85,6 @@ TEST_P(DescentDevices, GoOnFromACheckpoint) {
   EXPECT_TRUE(heard.warnings.empty());
 }
 
-TEST_P(DescentDevices, AreTakenByAutoIfTheyAreFaster) {
-  make_device_fast(1e15);
-  EXPECT_TRUE(uses_device(automatic()));
-  make_device_fast(1e-3);
-  EXPECT_FALSE(uses_device(automatic()));
-  set_device_rates({});
-  EXPECT_FALSE(uses_device(automatic())) << "not measured";
-  EXPECT_FALSE(uses_device(one_.params)) << "the processor is the default";
-}
-
-TEST_P(DescentDevices, SayWhatTheyAre) {
-  std::vector<std::string> names;
-  Observer observer;
-  observer.on_fact = [&](const std::string& name, const Fact& value) {
-    if (name == "device") names.push_back(std::get<std::string>(value));
-  };
-  found(one_, on_device(one_.params), observer);
-  found(one_, one_.params, observer);
-  EXPECT_EQ(names, std::vector<std::string>{device_.info().name});
-}
-
-// A named device says that memory is short; `auto` knows it, and takes the processor.
-TEST_P(DescentDevices, SayThatMemoryIsShort) {
-  device_.limit_memory((double(device_.use().bytes_held) + 20e3) / 0.8);
-  const std::string error = error_of([&] { found(one_, on_device(one_.params)); });
-  EXPECT_NE(error.find("of memory for "), std::string::npos) << error;
-  EXPECT_NE(error.find(" on the device " + device_.info().name), std::string::npos) << error;
-  make_device_fast(1e15);
-  Heard heard;
-  EXPECT_TRUE(are_same(found(one_, automatic(), heard.observer()), found(one_, one_.params)));
-  EXPECT_TRUE(heard.warnings.empty());
-}
-
 #if HOLOTRACE_HAS_OPENCL
 // Every 50th call fails: memory, transfers, kernels and waits of all parts of a descent.
 TEST_P(DescentDevices, ReleaseTheirMemoryAfterAnyFault) {
@@ -166,14 +122,7 @@ TEST_P(DescentDevices, GiveWayToTheProcessorAfterAnyFault) {
 }
 #endif
 
-TEST(DescentOnNoDevice, IsAnError) {
-  DescentCase one{"one"};
-  one.params.device = {DeviceKind::opencl, 1000};
-  std::vector<Hologram> frames = one.start();
-  EXPECT_NE(error_of([&] { descend(one.targets(), one.slm, one.params, {}, frames); }), "no error");
-}
-
-TEST(DescentOnNoDevice, ErrorDiffusionRefusesOne) {
+TEST(ErrorDiffusion, RefusesADevice) {
   const DescentCase one{"one"};
   Field field(one.slm.grid, 532e-9, 0);
   field.samples.values[0] = 1;

@@ -6,9 +6,9 @@ namespace holotrace {
 namespace {
 
 // Frames that note how each update takes the panel.
-class NotedLight : public ColourLight {
+class NotedLight : public WavelengthLight {
  public:
-  NotedLight(std::unique_ptr<ColourLight> light, std::vector<PanelDetail>& details)
+  NotedLight(std::unique_ptr<WavelengthLight> light, std::vector<PanelDetail>& details)
       : light_(std::move(light)), details_(details) {}
   void add(const TargetPlane& target) override { light_->add(target); }
   void leave(const PanelDetail& detail) override {
@@ -27,14 +27,14 @@ class NotedLight : public ColourLight {
   }
 
  private:
-  std::unique_ptr<ColourLight> light_;
+  std::unique_ptr<WavelengthLight> light_;
   std::vector<PanelDetail>& details_;
 };
 
 class NotedFrames : public ProcessorFrames {
  public:
   using ProcessorFrames::ProcessorFrames;
-  std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override {
+  std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override {
     return std::make_unique<NotedLight>(ProcessorFrames::light_of(panel, wavelength), *details);
   }
   std::vector<PanelDetail>* details = nullptr;

@@ -99,12 +99,6 @@ class ProjectionDevices : public test::StagesOnDevices {
   static Hologram encoded(const ProjectionCase& one, const EncodeParams& params, const Observer& observer = {}) {
     return encode_targets(one.targets(), one.start(), one.slm, params, observer);
   }
-  bool uses_device(const EncodeParams& params) const {
-    const size_t before = device_.use().kernels;
-    found(one_, params);
-    return device_.use().kernels > before;
-  }
-
   ProjectionCase one_{"one"};
 };
 
@@ -148,11 +142,6 @@ TEST_P(ProjectionDevices, ReachTheErrorOfTheProcessor) {
   }
 }
 
-TEST_P(ProjectionDevices, GiveTheSameBytesForTheSameInput) {
-  one_.params.target_distances = {0.006, 0.009};
-  EXPECT_EQ(found(one_, on_device(one_.params)).values, found(one_, on_device(one_.params)).values);
-}
-
 // Of an iteration one error of each row; the weighted method fits its scale again, by two sums.
 TEST_P(ProjectionDevices, ReturnTheRowSumsOnly) {
   const auto returned = [&](int iterations) {
@@ -191,14 +180,6 @@ TEST_P(ProjectionDevices, WriteNothingPastTheirBuffers) {
   EXPECT_EQ(device_.broken_guards(), before);
 }
 
-TEST_P(ProjectionDevices, AreTakenByAutoIfTheyAreFaster) {
-  make_device_fast(1e15);
-  EXPECT_TRUE(uses_device(automatic(one_.params)));
-  make_device_fast(1e-3);
-  EXPECT_FALSE(uses_device(automatic(one_.params)));
-  EXPECT_FALSE(uses_device(one_.params)) << "the processor is the default";
-}
-
 // All planes are used in every iteration, whatever parameters of sgd say: the choice is the same at all rates.
 TEST_P(ProjectionDevices, AreChosenByTheWorkOfAllPlanes) {
   one_.params.target_distances = {0.006, 0.009, 0.012, 0.015};
@@ -219,17 +200,6 @@ TEST_P(ProjectionDevices, AreChosenByTheWorkOfAllPlanes) {
   }
   EXPECT_GT(taken, 10);
   EXPECT_LT(taken, 90);
-}
-
-TEST_P(ProjectionDevices, SayWhatTheyAre) {
-  std::vector<std::string> names;
-  Observer observer;
-  observer.on_fact = [&](const std::string& name, const Fact& value) {
-    if (name == "device") names.push_back(std::get<std::string>(value));
-  };
-  found(one_, on_device(one_.params), observer);
-  found(one_, one_.params, observer);
-  EXPECT_EQ(names, std::vector<std::string>{device_.info().name});
 }
 
 // Without memory for the samples of all planes, those of one plane after the other are computed again for its step: the pattern is
@@ -260,19 +230,6 @@ TEST_P(ProjectionDevices, DoOnePlaneAfterTheOtherIfMemoryIsShort) {
   }
 }
 
-// A named device says that memory is short; `auto` knows it, and takes the processor.
-TEST_P(ProjectionDevices, SayThatMemoryIsShort) {
-  device_.limit_memory((double(device_.use().bytes_held) + 20e3) / 0.8);
-  const std::string error = error_of([&] { encoded(one_, on_device(one_.params)); });
-  EXPECT_NE(error.find("of memory for "), std::string::npos) << error;
-  EXPECT_NE(error.find(" on the device " + device_.info().name), std::string::npos) << error;
-  make_device_fast(1e15);
-  Heard heard;
-  EXPECT_EQ(encoded(one_, automatic(one_.params), heard.observer()).level.values,
-            encoded(one_, one_.params).level.values);
-  EXPECT_TRUE(heard.warnings.empty());
-}
-
 #if HOLOTRACE_HAS_OPENCL
 // Every 23rd call fails: memory, transfers and kernels of all parts, the last judgement of the levels included. A named
 // device says so in one sentence. Under `auto` the processor takes over, with one warning.
@@ -298,12 +255,6 @@ TEST_P(ProjectionDevices, ReleaseTheirMemoryAndGiveWayAfterAnyFault) {
   EXPECT_GT(faults, 5);
 }
 #endif
-
-TEST(ProjectionOnNoDevice, IsAnError) {
-  ProjectionCase one{"one"};
-  one.params.device = {DeviceKind::opencl, 1000};
-  EXPECT_NE(error_of([&] { encode_targets(one.targets(), one.start(), one.slm, one.params); }), "no error");
-}
 
 }  // namespace
 }  // namespace holotrace

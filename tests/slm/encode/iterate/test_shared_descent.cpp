@@ -219,7 +219,7 @@ TEST_P(StreamedDescents, HaveTheSumsAndSlopesOfFramesThatStay) {
       EXPECT_FALSE(stay.shares().front()->are_streamed());
     }
     DeviceFrames come_and_go({&device_}, one.slm, one.params, start);
-    FrameShare& share = *come_and_go.shares().front();
+    FramesOnDevice& share = *come_and_go.shares().front();
     share.needs({.of_frame = 0, .beside = device_.memory_left() + 1});
     expect_equal(gradient_of(one, come_and_go, {}), expected, one.name);
     EXPECT_TRUE(share.are_streamed());

@@ -10,7 +10,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/target.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
-#include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/encode/iterate/iteration_loops.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
 // What a gradient descent does with arrays: frame_descent.h and colour.h say when, and with which numbers. The processor
@@ -19,9 +19,9 @@
 namespace holotrace {
 
 /// The light of all frames at one wavelength, from the panel to the target planes, and gradients back.
-class ColourLight {
+class WavelengthLight {
  public:
-  virtual ~ColourLight() = default;
+  virtual ~WavelengthLight() = default;
 
   /// Adds a target plane, which must outlive this object.
   virtual void add(const TargetPlane& target) = 0;
@@ -56,7 +56,7 @@ class FrameArrays {
   virtual ~FrameArrays() = default;
 
   /// The light of the frames in a panel, which must outlive it, as this object must.
-  virtual std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) = 0;
+  virtual std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) = 0;
 
   virtual void clear_slopes() = 0;
   virtual void step(const DriveStep& step) = 0;

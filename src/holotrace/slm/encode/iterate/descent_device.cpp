@@ -6,7 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/data/params/encode.h"
-#include "holotrace/slm/encode/iterate/frame_share.h"
+#include "holotrace/slm/encode/iterate/frames_on_device.h"
 #include "holotrace/wave/propagate/device_propagator.h"
 #include "holotrace/wave/propagate/propagation_cost.h"
 #include "holotrace/wave/shared/device_rates.h"
@@ -86,7 +86,7 @@ DescentWork work_on(const Device& device, const Share& share) {
   // Parts of the mean come from the others to the first device, and the factor goes back (DeviceLight).
   const double of_values = sizeof(float) * share.pixels();
   if (share.frames < share.frames_of_all) work.exchanged = 4 * of_values * planes * updates;
-  // As FrameShare decides.
+  // As FramesOnDevice decides.
   const double arrays = share.setup.slm.modulation == Modulation::complex ? 2 : 1;
   const auto bytes = [&](double frames, double kept_planes) {
     return work.kept + transforms + of_values * (planes + 5) + of_light +

@@ -8,7 +8,7 @@
 #include "holotrace/data/slm.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
-#include "holotrace/slm/encode/iterate/frame_share.h"
+#include "holotrace/slm/encode/iterate/frames_on_device.h"
 #include "holotrace/slm/encode/iterate/mean_exchange.h"
 
 namespace holotrace {
@@ -25,7 +25,7 @@ class DeviceFrames : public FrameArrays {
   DeviceFrames(const std::vector<Device*>& devices, const Slm& slm, const EncodeParams& params,
                const std::vector<Hologram>& frames, const OtherFrames& others = {});
 
-  std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
+  std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
   void write(std::vector<Hologram>& frames) const override;
@@ -33,16 +33,17 @@ class DeviceFrames : public FrameArrays {
   void restore(const std::vector<Array2D<float>>& state) override;
 
   /// The devices' shares, in the order of the frames.
-  const std::vector<std::unique_ptr<FrameShare>>& shares() const { return shares_; }
+  const std::vector<std::unique_ptr<FramesOnDevice>>& shares() const { return shares_; }
 
  private:
   const Slm& slm_;
   const EncodeParams& params_;
   OtherFrames others_;
-  std::vector<std::unique_ptr<FrameShare>> shares_;
+  std::vector<std::unique_ptr<FramesOnDevice>> shares_;
 };
 
 /// Calls work(i) for all shares i at once, each with its device locked.
-void on_all_shares(const std::vector<std::unique_ptr<FrameShare>>& shares, const std::function<void(size_t i)>& work);
+void on_all_shares(const std::vector<std::unique_ptr<FramesOnDevice>>& shares,
+                   const std::function<void(size_t i)>& work);
 
 }  // namespace holotrace

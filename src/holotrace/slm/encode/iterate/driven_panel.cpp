@@ -7,7 +7,7 @@
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/encode/iterate/iteration_loops.h"
 #include "holotrace/slm/panel/phasors.h"
 #include "holotrace/slm/panel/pixel_response.h"
 

@@ -21,7 +21,7 @@ constexpr double view_weight = 0.5;
 Colours colours_of(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram, FrameArrays& frames) {
   Colours colours;
   for (const double wavelength : wavelengths_of(targets)) {
-    colours.push_back(std::make_unique<Colour>(setup.slm, hologram, wavelength, setup.params, frames));
+    colours.push_back(std::make_unique<WavelengthDescent>(setup.slm, hologram, wavelength, setup.params, frames));
     for (const TargetPlane& plane : targets.planes)
       if (plane.wavelength == wavelength) colours.back()->add(plane);
     for (const ViewTargets& views : targets.views)
@@ -70,7 +70,9 @@ void FrameDescent::judge() {
 }
 
 // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
-double FrameDescent::part(const Colour& colour) const { return colour.power() > 0 ? 1 / (colour.power() * lit_) : 0; }
+double FrameDescent::part(const WavelengthDescent& colour) const {
+  return colour.power() > 0 ? 1 / (colour.power() * lit_) : 0;
+}
 
 double FrameDescent::loss() const {
   double sum = 0;
@@ -81,7 +83,7 @@ double FrameDescent::loss() const {
 void FrameDescent::update() {
   arrays_->clear_slopes();
   for (size_t c = 0; c < colours_.size(); ++c) {
-    Colour& colour = *colours_[c];
+    WavelengthDescent& colour = *colours_[c];
     if (colour.power() == 0) continue;
     colour.leave(detail(updates()));
     const std::vector<size_t> planes = turns_[c].take();

@@ -13,8 +13,8 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
-#include "holotrace/slm/encode/iterate/colour.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
+#include "holotrace/slm/encode/iterate/wavelength_descent.h"
 
 namespace holotrace {
 
@@ -77,7 +77,7 @@ class Turns {
   uint64_t seed_, round_ = 0;
 };
 
-using Colours = std::vector<std::unique_ptr<Colour>>;
+using Colours = std::vector<std::unique_ptr<WavelengthDescent>>;
 
 /// A panel and what is asked of its levels.
 struct DescentSetup {
@@ -124,7 +124,7 @@ class FrameDescent {
 
  private:
   int updates_per_round() const;
-  double part(const Colour& colour) const;
+  double part(const WavelengthDescent& colour) const;
   double place(int updates) const;
   float hardness(int updates) const;
   bool is_late(int updates) const;

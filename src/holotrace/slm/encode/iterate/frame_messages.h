@@ -30,7 +30,7 @@ FrameJob job_from(const std::string& message);
 
 std::string frame_message(Hologram frame);
 
-/// The functions of FrameArrays and ColourLight, in another process.
+/// The functions of FrameArrays and WavelengthLight, in another process.
 enum class FrameOrder : int32_t {
   light_of,
   add,

@@ -11,7 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/descent_device.h"
 #include "holotrace/slm/encode/iterate/device_projection.h"
-#include "holotrace/slm/encode/iterate/iteration_place.h"
+#include "holotrace/slm/encode/iterate/iteration_devices.h"
 #include "holotrace/slm/encode/iterate/processor_projection.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
@@ -70,7 +70,7 @@ std::unique_ptr<ProjectionArrays> arrays_on(Device* device, const ProjectionSetu
   return std::make_unique<ProcessorProjection>(setup, start);
 }
 
-ProjectedPattern project_on(const IterationPlace& place, const ProjectionSetup& setup, const ComplexPattern& start,
+ProjectedPattern project_on(const IterationDevices& place, const ProjectionSetup& setup, const ComplexPattern& start,
                             const Observer& observer) {
   const int iterations = iterations_of(setup.params);
   const auto projections =
@@ -106,7 +106,7 @@ ProjectedPattern project_in_turn(const std::vector<TargetPlane>& targets, const 
   Device* const device = device_for_projections(targets, {slm, params});
   return on_devices_or_processor(
       device ? std::vector{device} : std::vector<Device*>(), params.device, observer,
-      [&](const IterationPlace& place) { return project_on(place, setup, start, observer); });
+      [&](const IterationDevices& place) { return project_on(place, setup, start, observer); });
 }
 
 }  // namespace holotrace

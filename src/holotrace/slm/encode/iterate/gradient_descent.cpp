@@ -14,7 +14,7 @@
 #include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/device_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
-#include "holotrace/slm/encode/iterate/iteration_place.h"
+#include "holotrace/slm/encode/iterate/iteration_devices.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
 #include "holotrace/slm/encode/iterate/shared_frames.h"
 
@@ -34,7 +34,7 @@ double psnr(const Colours& colours) {
   return 10 * std::log10(weight / std::max(error, 1e-30));
 }
 
-void set_illumination(const Colour& colour, bool is_joint, Hologram& frame) {
+void set_illumination(const WavelengthDescent& colour, bool is_joint, Hologram& frame) {
   const double illumination = colour.power() > 0 ? colour.scale() * colour.scale() : 0;
   if (colour.wavelength() == frame.wavelength) frame.illumination = illumination;
   if (is_joint) frame.colours.push_back({colour.wavelength(), illumination});
@@ -64,7 +64,7 @@ std::vector<TargetPlane> planes_to_reach(const TargetSet& targets) {
 // A descent and the file that keeps its state.
 class KeptDescent {
  public:
-  KeptDescent(FrameDescent& descent, const IterationPlace& place, const Checkpoint& checkpoint, IterationState job)
+  KeptDescent(FrameDescent& descent, const IterationDevices& place, const Checkpoint& checkpoint, IterationState job)
       : descent_(descent), place_(place), checkpoint_(checkpoint), job_(std::move(job)) {
     const std::optional<IterationState> state = checkpoint.load(job_);
     if (state) place.compute([&] { descent.restore(*state); });
@@ -87,7 +87,7 @@ class KeptDescent {
 
  private:
   FrameDescent& descent_;
-  const IterationPlace& place_;
+  const IterationDevices& place_;
   const Checkpoint& checkpoint_;
   IterationState job_;
 };
@@ -104,14 +104,14 @@ struct Processes {
   DeviceChoice device{};
 };
 
-std::unique_ptr<FrameArrays> arrays_on(const IterationPlace& place, const DescentSetup& setup,
+std::unique_ptr<FrameArrays> arrays_on(const IterationDevices& place, const DescentSetup& setup,
                                        const std::vector<Hologram>& frames, const OtherFrames& others = {}) {
   if (!place.devices.empty())
     return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames, others);
   return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames, others);
 }
 
-void judge_on(const IterationPlace& place, const TargetSet& targets, const DescentSetup& setup,
+void judge_on(const IterationDevices& place, const TargetSet& targets, const DescentSetup& setup,
               const Observer& observer, std::vector<Hologram>& frames) {
   std::unique_ptr<FrameArrays> arrays;
   const Colours colours = place.compute([&] {
@@ -123,7 +123,7 @@ void judge_on(const IterationPlace& place, const TargetSet& targets, const Desce
   tell_quality(colours, observer, frames);
 }
 
-void descend_on(const IterationPlace& place, const Processes& processes, const TargetSet& targets,
+void descend_on(const IterationDevices& place, const Processes& processes, const TargetSet& targets,
                 const DescentSetup& setup, std::vector<Hologram>& frames, const Listeners& listeners) {
   const auto& [observer, checkpoint] = listeners;
   const int iterations = iterations_of(setup.params);
@@ -179,11 +179,11 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
   if (links && links->count() > 1 && frames.size() > 1) {
     const size_t own = ranges_of_frames(frames.size(), links->count()).front().count();
     const DeviceChoice device = common_device(planes_to_reach(targets), setup, {frames.size(), own}, links->here());
-    const IterationPlace place{devices_of_process(device, links->here(), own)};
+    const IterationDevices place{devices_of_process(device, links->here(), own)};
     return descend_on(place, {links, device}, targets, setup, frames, listeners);
   }
   const std::vector<Device*> devices = devices_for_descent(planes_to_reach(targets), setup, frames.size());
-  on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
+  on_devices_or_processor(devices, params.device, observer, [&](const IterationDevices& place) {
     descend_on(place, {}, targets, setup, frames, listeners);
   });
 }
@@ -191,7 +191,7 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
 void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
            const Observer& observer, std::vector<Hologram>& frames, Device* device) {
   const std::vector<Device*> devices = device ? std::vector{device} : std::vector<Device*>();
-  on_devices_or_processor(devices, params.device, observer, [&](const IterationPlace& place) {
+  on_devices_or_processor(devices, params.device, observer, [&](const IterationDevices& place) {
     judge_on(place, {targets}, {slm, params}, observer, frames);
   });
 }

@@ -49,12 +49,12 @@ class Device;
 ///
 /// **On a device** (params.device), drives, moments, light and propagations are in its memory, in single precision; the
 /// sums of the rows of each plane come back, two floats per row, and the levels at the end. Frames that do not all fit there come
-/// and go one after the other (FrameShare), with the same result. Several devices share the frames (DeviceLight): the mean is added
+/// and go one after the other (FramesOnDevice), with the same result. Several devices share the frames (DeviceLight): the mean is added
 /// up in another order than on one device, so levels differ by rounding. If a device of `auto` fails, the processor goes on from
 /// the checkpoint, or starts again, with a warning.
 ///
 /// **In several processes** (links), each has some of the frames, on its devices or the processor (SharedFrames). Process 0, which
-/// calls this, has the targets and decides; the others call find_frames_of_others. The same number of processes with the same
+/// calls this, has the targets and decides; the others call find_frames_of_rank. The same number of processes with the same
 /// devices gives the same levels; another one adds up the mean in another order, so levels differ by rounding. A device that fails
 /// ends the job, also one that `auto` has chosen.
 ///

@@ -42,7 +42,7 @@ void ProcessorFrames::prepare_steps() {
   }
 }
 
-std::unique_ptr<ColourLight> ProcessorFrames::light_of(const DrivenPanel& panel, double wavelength) {
+std::unique_ptr<WavelengthLight> ProcessorFrames::light_of(const DrivenPanel& panel, double wavelength) {
   return std::make_unique<ProcessorLight>(PanelInLight{slm_, params_, panel, wavelength}, rounded_, slopes_, others_);
 }
 

@@ -22,7 +22,7 @@ class ProcessorFrames : public FrameArrays {
   ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames,
                   const OtherFrames& others = {});
 
-  std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
+  std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
   void end_steps() override;

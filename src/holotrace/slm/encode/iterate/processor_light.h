@@ -23,7 +23,7 @@ struct PanelInLight {
 };
 
 /// The light of frames on the processor.
-class ProcessorLight : public ColourLight {
+class ProcessorLight : public WavelengthLight {
  public:
   /// @param levels  rounded drives of the frames
   /// @param slopes  gradients are added here

@@ -55,9 +55,9 @@ class SharedFrames::Exchange : public MeanExchange {
 };
 
 // Orders go out before the own work, which waits for what they bring.
-class SharedFrames::Light : public ColourLight {
+class SharedFrames::Light : public WavelengthLight {
  public:
-  Light(const SharedFrames& frames, uint64_t colour, std::unique_ptr<ColourLight> own)
+  Light(const SharedFrames& frames, uint64_t colour, std::unique_ptr<WavelengthLight> own)
       : frames_(frames), colour_(colour), own_(std::move(own)) {}
 
   void add(const TargetPlane& target) override {
@@ -115,7 +115,7 @@ class SharedFrames::Light : public ColourLight {
 
   const SharedFrames& frames_;
   uint64_t colour_;
-  std::unique_ptr<ColourLight> own_;
+  std::unique_ptr<WavelengthLight> own_;
 };
 
 SharedFrames::SharedFrames(ProcessLinks& links, const DescentSetup& setup, const DeviceChoice& device,
@@ -144,7 +144,7 @@ void SharedFrames::order(const std::string& bytes) const {
   for (size_t i = 1; i < ranges_.size(); ++i) links_.send(int(i), bytes);
 }
 
-std::unique_ptr<ColourLight> SharedFrames::light_of(const DrivenPanel& panel, double wavelength) {
+std::unique_ptr<WavelengthLight> SharedFrames::light_of(const DrivenPanel& panel, double wavelength) {
   order(to_message(FrameOrderMessage{.order = FrameOrder::light_of, .wavelength = wavelength}));
   return std::make_unique<Light>(*this, colours_++, own_->light_of(panel, wavelength));
 }

@@ -21,7 +21,7 @@ struct FrameRange {
 std::vector<FrameRange> ranges_of_frames(size_t frames, int processes);
 
 /// The frames of a descent that several processes share, as process 0 sees them: its own, and orders to the others, which
-/// find_frames_of_others obeys.
+/// find_frames_of_rank obeys.
 ///
 /// **What is exchanged.** For each plane of an update 4 bytes per pixel of the panel come from each other process, its frames'
 /// part of the mean irradiance, and 4 go there, the factor of each pixel's error. Process 0 adds the parts in the order of the
@@ -40,7 +40,7 @@ class SharedFrames : public FrameArrays {
                const std::vector<Hologram>& frames, const MakeArrays& make);
   ~SharedFrames() override;
 
-  std::unique_ptr<ColourLight> light_of(const DrivenPanel& panel, double wavelength) override;
+  std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
   void end_steps() override;
@@ -68,6 +68,6 @@ class SharedFrames : public FrameArrays {
 
 /// The work of a process other than process 0: it finds its frames by the orders of one SharedFrames, until it ends.
 /// @throws Error  for what goes wrong here: the caller tells process 0
-void find_frames_of_others(ProcessLinks& links);
+void find_frames_of_rank(ProcessLinks& links);
 
 }  // namespace holotrace

@@ -1,4 +1,4 @@
-#include "holotrace/slm/encode/iterate/share_light.h"
+#include "holotrace/slm/encode/iterate/frames_light.h"
 
 #include <algorithm>
 #include <utility>
@@ -10,7 +10,7 @@ constexpr double float_bytes = sizeof(float);
 
 }  // namespace
 
-ShareLight::ShareLight(FrameShare& share, const PanelInLight& panel, size_t frames, bool is_first)
+FramesLight::FramesLight(FramesOnDevice& share, const PanelInLight& panel, size_t frames, bool is_first)
     : share_(share),
       device_(share.device()),
       memory_(share.memory()),
@@ -19,7 +19,7 @@ ShareLight::ShareLight(FrameShare& share, const PanelInLight& panel, size_t fram
       frames_(frames),
       is_first_(is_first) {}
 
-void ShareLight::add(const TargetPlane& target, const TargetPropagation& host) {
+void FramesLight::add(const TargetPlane& target, const TargetPropagation& host) {
   Way way{{}, host.shifts(), DeviceConvolution(device_, host.there(), host.shifts())};
   if (is_first_) way.target.emplace(device_, target.amplitude, target.weight);
   way.there.grow(memory_.work);
@@ -28,7 +28,7 @@ void ShareLight::add(const TargetPlane& target, const TargetPropagation& host) {
 }
 
 // As the functions below make it. Views are not among it: they see what is left.
-LightBytes ShareLight::bytes_needed() const {
+LightBytes FramesLight::bytes_needed() const {
   const EncodeParams& params = lit_.params;
   const double of_samples = double(bytes_of_samples()), of_means = float_bytes * double(pixels().pixels());
   const double planes =
@@ -51,13 +51,13 @@ LightBytes ShareLight::bytes_needed() const {
 }
 
 // Memory of at least that size.
-void ShareLight::make(DeviceBuffer& buffer, size_t bytes, const char* what) {
+void FramesLight::make(DeviceBuffer& buffer, size_t bytes, const char* what) {
   if (buffer.bytes() >= bytes) return;
   buffer = {};
   buffer = device_.make_buffer(bytes, what);
 }
 
-void ShareLight::leave(const PanelDetail& detail) {
+void FramesLight::leave(const PanelDetail& detail) {
   detail_ = detail;
   if (share_.are_streamed()) return;
   memory_.u.resize(share_.frames());
@@ -68,7 +68,7 @@ void ShareLight::leave(const PanelDetail& detail) {
 }
 
 // The light that leaves the panel for a frame, which is there.
-const DeviceBuffer& ShareLight::light_of(size_t m, const DeviceFrame& frame) {
+const DeviceBuffer& FramesLight::light_of(size_t m, const DeviceFrame& frame) {
   if (!share_.are_streamed()) return memory_.u[m];
   memory_.u.resize(1);
   make(memory_.u.front(), bytes_of_samples(), "the light of a panel");
@@ -76,7 +76,7 @@ const DeviceBuffer& ShareLight::light_of(size_t m, const DeviceFrame& frame) {
   return memory_.u.front();
 }
 
-DevicePlaneLight ShareLight::take_spare() {
+DevicePlaneLight FramesLight::take_spare() {
   if (memory_.spare.empty()) return {};
   DevicePlaneLight light = std::move(memory_.spare.back());
   memory_.spare.pop_back();
@@ -84,8 +84,8 @@ DevicePlaneLight ShareLight::take_spare() {
 }
 
 // The samples of a frame in a plane. A light that is not kept has those of one frame only.
-std::vector<DisplacedSamples> ShareLight::samples_for(const Way& way, SampleGroup group, size_t frame,
-                                                      DevicePlaneLight& light) {
+std::vector<DisplacedSamples> FramesLight::samples_for(const Way& way, SampleGroup group, size_t frame,
+                                                       DevicePlaneLight& light) {
   std::vector<DisplacedSamples> samples;
   const std::vector<size_t> shifts = samples_of(group, way.shifts.size());
   if (light.samples.size() < (frame + 1) * shifts.size()) light.samples.resize((frame + 1) * shifts.size());
@@ -97,14 +97,14 @@ std::vector<DisplacedSamples> ShareLight::samples_for(const Way& way, SampleGrou
   return samples;
 }
 
-void ShareLight::to_panel(Way& way, const std::vector<DisplacedSamples>& samples) {
+void FramesLight::to_panel(Way& way, const std::vector<DisplacedSamples>& samples) {
   make(memory_.back, bytes_of_samples(), "the light of a panel");
   way.there.to_sum(samples, memory_.back, memory_.work);
 }
 
 // Adds the power of a frame's samples: for pixel means, those of each place in a pixel; else all to the mean.
-void ShareLight::add_powers(const std::vector<DisplacedSamples>& samples, SampleGroup group, bool is_first,
-                            DevicePlaneLight& light) {
+void FramesLight::add_powers(const std::vector<DisplacedSamples>& samples, SampleGroup group, bool is_first,
+                             DevicePlaneLight& light) {
   const float factor = float(part_of_light(group) / double(frames_));
   for (size_t i = 0; i < samples.size(); ++i)
     if (has_means(group))
@@ -114,7 +114,7 @@ void ShareLight::add_powers(const std::vector<DisplacedSamples>& samples, Sample
                 light.mean);
 }
 
-void ShareLight::show(size_t plane, SampleGroup group, bool is_kept) {
+void FramesLight::show(size_t plane, SampleGroup group, bool is_kept) {
   Way& way = ways_[plane];
   const size_t bytes = pixels_of_plane() * sizeof(float);
   const bool has_all_samples = is_kept && !share_.are_streamed();
@@ -132,15 +132,15 @@ void ShareLight::show(size_t plane, SampleGroup group, bool is_kept) {
   lights_[plane] = std::move(light);
 }
 
-ModulusSums ShareLight::fit_sums(size_t plane) {
+ModulusSums FramesLight::fit_sums(size_t plane) {
   return holotrace::fit_sums(device_, *ways_[plane].target, mean(plane));
 }
 
-double ShareLight::leave_residual(size_t plane, double scale) {
+double FramesLight::leave_residual(size_t plane, double scale) {
   return holotrace::leave_residual(device_, *ways_[plane].target, scale, mean(plane));
 }
 
-void ShareLight::add_slopes(size_t plane, SampleGroup group, double factor) {
+void FramesLight::add_slopes(size_t plane, SampleGroup group, double factor) {
   Way& way = ways_[plane];
   DevicePlaneLight& light = lights_.at(plane);
   share_.each_frame(FrameUse::slopes, [&](size_t m, const DeviceFrame& frame) {
@@ -155,12 +155,12 @@ void ShareLight::add_slopes(size_t plane, SampleGroup group, double factor) {
   });
 }
 
-void ShareLight::drop(size_t plane) {
+void FramesLight::drop(size_t plane) {
   auto dropped = lights_.extract(plane);
   memory_.spare.push_back(std::move(dropped.mapped()));
 }
 
-ShareLight::Eyes& ShareLight::eyes_at(const PupilPropagation& way) {
+FramesLight::Eyes& FramesLight::eyes_at(const PupilPropagation& way) {
   const Propagator<float>& there = way.there();
   for (Eyes& eyes : eyes_)
     if (eyes.window == there.output && eyes.z == there.distance) return eyes;
@@ -170,7 +170,7 @@ ShareLight::Eyes& ShareLight::eyes_at(const PupilPropagation& way) {
 }
 
 // The samples of a frame stay if there is memory for those of all frames.
-void ShareLight::show_views(const ViewTargets& views, const PupilPropagation& way, bool is_kept) {
+void FramesLight::show_views(const ViewTargets& views, const PupilPropagation& way, bool is_kept) {
   const size_t count = views.pupils.size(), pixels = size_t(views.picture.pixels());
   if (!transforms_) transforms_.emplace(device_);
   Eyes& eyes = eyes_at(way);
@@ -192,25 +192,25 @@ void ShareLight::show_views(const ViewTargets& views, const PupilPropagation& wa
   });
 }
 
-const DeviceBuffer& ShareLight::picture_of(size_t m, size_t view) const {
+const DeviceBuffer& FramesLight::picture_of(size_t m, size_t view) const {
   return views_->pictures[(views_->are_kept ? m : 0) * views_->there.size() + view];
 }
 
-void ShareLight::take_pictures(size_t m, const DeviceFrame& frame) {
+void FramesLight::take_pictures(size_t m, const DeviceFrame& frame) {
   views_->eyes->there.to_many(light_of(m, frame), {{0, &memory_.pupil}}, memory_.work);
   for (size_t k = 0; k < views_->there.size(); ++k)
     views_->there[k].take(*transforms_, memory_.pupil, picture_of(m, k));
 }
 
-ModulusSums ShareLight::fit_sums_of_view(size_t view) {
+ModulusSums FramesLight::fit_sums_of_view(size_t view) {
   return holotrace::fit_sums(device_, views_->there[view].target(), views_->mean[view]);
 }
 
-double ShareLight::leave_residual_of_view(size_t view, double scale) {
+double FramesLight::leave_residual_of_view(size_t view, double scale) {
   return holotrace::leave_residual(device_, views_->there[view].target(), scale, views_->mean[view]);
 }
 
-void ShareLight::add_slopes_of_views(double factor) {
+void FramesLight::add_slopes_of_views(double factor) {
   share_.each_frame(FrameUse::slopes, [&](size_t m, const DeviceFrame& frame) {
     if (!views_->are_kept) take_pictures(m, frame);
     clear(device_, memory_.pupil);
@@ -222,7 +222,7 @@ void ShareLight::add_slopes_of_views(double factor) {
   });
 }
 
-void ShareLight::drop_views() {
+void FramesLight::drop_views() {
   device_.finish();  // before the memory of the views is released
   views_.reset();
 }

@@ -1,18 +1,17 @@
-#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/slm/encode/sample_loops.h"
 
 #include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "holotrace/slm/encode/sample_kernels.cpp"
+#define HWY_TARGET_INCLUDE "holotrace/slm/encode/sample_loops.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "holotrace/base/each_vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 void moments(const float* u, size_t count, ModulusMoments* out) {
@@ -86,8 +85,7 @@ void phasor_pairs(const float* u, float first, size_t count, float* to) {
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -14,11 +14,12 @@ namespace holotrace {
 
 /// One wavelength of a gradient descent: the panel in its light, its targets, and what is known of the light there. The
 /// targets are planes or, without planes, views.
-class Colour {
+class WavelengthDescent {
  public:
   /// @param hologram  its levels and modulation are used
   /// @param frames    the frames whose light it is; must outlive this object
-  Colour(const Slm& slm, const Hologram& hologram, double wavelength, const EncodeParams& params, FrameArrays& frames);
+  WavelengthDescent(const Slm& slm, const Hologram& hologram, double wavelength, const EncodeParams& params,
+                    FrameArrays& frames);
 
   /// Adds a target plane, or views that are judged, which must outlive this object.
   void add(const TargetPlane& target);
@@ -68,7 +69,7 @@ class Colour {
   double wavelength_;
   Grid pixels_;
   DrivenPanel panel_;
-  std::unique_ptr<ColourLight> frames_light_;
+  std::unique_ptr<WavelengthLight> frames_light_;
   std::vector<const TargetPlane*> targets_;
   std::vector<const ViewTargets*> views_;
   std::vector<double> errors_, powers_;  // of each plane or view: error from its last turn, and light of the target

@@ -1,7 +1,7 @@
-#include "holotrace/slm/panel/blur_kernels.h"
+#include "holotrace/slm/panel/blur_loops.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "holotrace/slm/panel/blur_kernels.cpp"
+#define HWY_TARGET_INCLUDE "holotrace/slm/panel/blur_loops.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -9,8 +9,7 @@
 #include "holotrace/base/units.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 void blur(const float* from, const float* factors, size_t taps, size_t count, bool adds, float* to) {
@@ -43,8 +42,7 @@ void turned_back(const float* q, const float* u, const float* amplitude, size_t 
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -1,15 +1,14 @@
-#include "holotrace/slm/encode/iterate/iteration_kernels.h"
+#include "holotrace/slm/encode/iterate/iteration_loops.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "holotrace/slm/encode/iterate/iteration_kernels.cpp"
+#define HWY_TARGET_INCLUDE "holotrace/slm/encode/iterate/iteration_loops.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "holotrace/base/each_vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 using Tag = hn::ScalableTag<float>;
@@ -140,8 +139,7 @@ void settle(float turn, float levels, float hardness, float* drive, float* round
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

@@ -54,11 +54,11 @@ inline double bytes_of_drives(size_t arrays) { return 5.0 * sizeof(float) * doub
 ///
 /// The frames stay in the device's memory if all of them fit there with their light. Otherwise they stay in the processor's,
 /// and each goes to the device and comes back for each of its uses. What is computed is the same.
-class FrameShare {
+class FramesOnDevice {
  public:
   /// @param start   levels of these frames
   /// @throws Error  as Device does, here and in all functions
-  FrameShare(Device& device, const Grid& pixels, std::vector<Drive> start);
+  FramesOnDevice(Device& device, const Grid& pixels, std::vector<Drive> start);
 
   Device& device() const { return device_; }
   DeviceLightMemory& memory() { return memory_; }

@@ -24,7 +24,7 @@ struct DeviceFault {
 };
 
 /// Where iterations compute: on one or several equal devices or, without one, on the processor.
-struct IterationPlace {
+struct IterationDevices {
   std::vector<Device*> devices{};
   Device* device() const { return devices.empty() ? nullptr : devices.front(); }  ///< the first one
   bool may_change = false;  ///< whether the processor does it if the device fails
@@ -47,10 +47,10 @@ template <class Iterate>
 auto on_devices_or_processor(const std::vector<Device*>& devices, const DeviceChoice& choice, const Observer& observer,
                              const Iterate& iterate) {
   try {
-    return iterate(IterationPlace{devices, !devices.empty() && choice.kind == DeviceKind::automatic});
+    return iterate(IterationDevices{devices, !devices.empty() && choice.kind == DeviceKind::automatic});
   } catch (const DeviceFault& fault) {
     warn_of_takeover(observer, fault.why);
-    return iterate(IterationPlace{});
+    return iterate(IterationDevices{});
   }
 }
 

@@ -16,9 +16,9 @@ namespace holotrace {
 namespace {
 
 // Process 0 adds up, and hands out.
-class ExchangeOfOthers : public MeanExchange {
+class ExchangeOfRank : public MeanExchange {
  public:
-  explicit ExchangeOfOthers(ProcessLinks& links) : links_(links) {}
+  explicit ExchangeOfRank(ProcessLinks& links) : links_(links) {}
 
   bool is_first() const override { return false; }
 
@@ -42,14 +42,14 @@ struct ColourOfOthers {
   DrivenPanel panel;
   std::deque<TargetPlane> planes{};  // they stay where they are
   ViewTargets views{};               // the last ones
-  std::unique_ptr<ColourLight> light{};
+  std::unique_ptr<WavelengthLight> light{};
 };
 
 // The frames here.
 struct Member {
   ProcessLinks& links;
   FrameJob job;
-  ExchangeOfOthers exchange{links};
+  ExchangeOfRank exchange{links};
   std::unique_ptr<FrameArrays> arrays{};
   std::deque<ColourOfOthers> colours{};
 };
@@ -136,7 +136,7 @@ void obey(Member& member, const FrameOrderMessage& message) {
 
 }  // namespace
 
-void find_frames_of_others(ProcessLinks& links) {
+void find_frames_of_rank(ProcessLinks& links) {
   Member member{links, job_from(links.receive(0))};
   for (Hologram& frame : member.job.frames) from_message(links.receive(0), frame);
   make_arrays(member);

@@ -1,15 +1,14 @@
-#include "holotrace/slm/panel/response_kernels.h"
+#include "holotrace/slm/panel/response_loops.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "holotrace/slm/panel/response_kernels.cpp"
+#define HWY_TARGET_INCLUDE "holotrace/slm/panel/response_loops.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "holotrace/base/each_vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace holotrace {
-namespace HWY_NAMESPACE {
+namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 // The knot below each drive, as the place of its first number in the table, and the rest above it.
@@ -53,8 +52,7 @@ void respond_back_loop(const float* knots, size_t number, const float* drive, si
 }
 
 }  // namespace
-}  // namespace HWY_NAMESPACE
-}  // namespace holotrace
+}  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE

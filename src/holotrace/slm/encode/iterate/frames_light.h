@@ -9,7 +9,7 @@
 #include "holotrace/slm/encode/iterate/descent_loops.h"
 #include "holotrace/slm/encode/iterate/device_driven_panel.h"
 #include "holotrace/slm/encode/iterate/device_views.h"
-#include "holotrace/slm/encode/iterate/frame_share.h"
+#include "holotrace/slm/encode/iterate/frames_on_device.h"
 #include "holotrace/slm/encode/iterate/processor_light.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/wave/propagate/device_convolution.h"
@@ -21,11 +21,11 @@ namespace holotrace {
 /// stays there, too; that of others is computed again for each of its uses.
 ///
 /// The device of the first share also has what the planes should show.
-class ShareLight {
+class FramesLight {
  public:
   /// @param frames    number of frames of all shares
   /// @param is_first  whether it is the light of the first share
-  ShareLight(FrameShare& share, const PanelInLight& panel, size_t frames, bool is_first);
+  FramesLight(FramesOnDevice& share, const PanelInLight& panel, size_t frames, bool is_first);
 
   /// Adds a target plane, and the way there.
   void add(const TargetPlane& target, const TargetPropagation& way);
@@ -105,7 +105,7 @@ class ShareLight {
   void take_pictures(size_t m, const DeviceFrame& frame);
   const DeviceBuffer& picture_of(size_t m, size_t view) const;
 
-  FrameShare& share_;
+  FramesOnDevice& share_;
   Device& device_;
   DeviceLightMemory& memory_;
   PanelInLight lit_;

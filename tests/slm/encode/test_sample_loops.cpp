@@ -10,7 +10,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/double_phase_kernel.h"
 #include "holotrace/slm/encode/phase_levels.h"
-#include "holotrace/slm/encode/sample_kernels.h"
+#include "holotrace/slm/encode/sample_loops.h"
 
 namespace holotrace {
 namespace {

@@ -1,4 +1,4 @@
-#include "holotrace/slm/encode/iterate/frame_share.h"
+#include "holotrace/slm/encode/iterate/frames_on_device.h"
 
 #include <algorithm>
 #include <utility>
@@ -48,22 +48,22 @@ DeviceDrive make_drive(Device& device, size_t values) {
 
 }  // namespace
 
-FrameShare::FrameShare(Device& device, const Grid& pixels, std::vector<Drive> start)
+FramesOnDevice::FramesOnDevice(Device& device, const Grid& pixels, std::vector<Drive> start)
     : device_(device), pixels_(pixels) {
   for (Drive& levels : start) kept_.push_back({levels, levels, {}, {}, {}});
 }
 
-void FrameShare::needs(const LightBytes& bytes) {
+void FramesOnDevice::needs(const LightBytes& bytes) {
   bytes_.of_frame = std::max(bytes_.of_frame, bytes.of_frame);
   bytes_.beside = std::max(bytes_.beside, bytes.beside);
 }
 
-bool FrameShare::are_streamed() {
+bool FramesOnDevice::are_streamed() {
   place();
   return are_streamed_;
 }
 
-void FrameShare::place() {
+void FramesOnDevice::place() {
   if (is_placed_) return;
   const size_t levels = kept_.front().drive.level.size(), moduli = kept_.front().drive.modulus.size();
   const double of_frame = double(pixels_.pixels()) * bytes_of_drives(moduli > 0 ? 2 : 1) + bytes_.of_frame;
@@ -85,13 +85,13 @@ void FrameShare::place() {
   is_placed_ = true;
 }
 
-void FrameShare::send(const KeptFrame& kept, KeptArray array, const DeviceFrame& frame) const {
+void FramesOnDevice::send(const KeptFrame& kept, KeptArray array, const DeviceFrame& frame) const {
   const Drive& from = kept.*array;
   device_.write(on_device(frame.level, array), from.level.values.data(), from.level.size() * sizeof(float));
   device_.write(on_device(frame.modulus, array), from.modulus.values.data(), from.modulus.size() * sizeof(float));
 }
 
-void FrameShare::fetch(const DeviceFrame& frame, KeptArray array, KeptFrame& kept) const {
+void FramesOnDevice::fetch(const DeviceFrame& frame, KeptArray array, KeptFrame& kept) const {
   const auto take = [&](const DeviceBuffer& from, Array2D<float>& to) {
     if (from.bytes() > 0 && to.size() == 0) to = Array2D<float>(pixels_.ny, pixels_.nx);
     device_.read(from, to.values.data(), from.bytes());
@@ -100,7 +100,7 @@ void FrameShare::fetch(const DeviceFrame& frame, KeptArray array, KeptFrame& kep
   take(on_device(frame.modulus, array), (kept.*array).modulus);
 }
 
-void FrameShare::each_frame(FrameUse use, const std::function<void(size_t m, const DeviceFrame& frame)>& work) {
+void FramesOnDevice::each_frame(FrameUse use, const std::function<void(size_t m, const DeviceFrame& frame)>& work) {
   place();
   for (size_t m = 0; m < frames(); ++m) {
     if (!are_streamed_) {
@@ -114,7 +114,7 @@ void FrameShare::each_frame(FrameUse use, const std::function<void(size_t m, con
   }
 }
 
-void FrameShare::clear_slopes() {
+void FramesOnDevice::clear_slopes() {
   place();
   if (are_streamed_) {
     for (KeptFrame& kept : kept_) kept.slope = Drive::like(kept.drive);
@@ -125,14 +125,14 @@ void FrameShare::clear_slopes() {
       if (values->slope.bytes() > 0) clear(device_, values->slope);
 }
 
-void FrameShare::step(const DriveStep& step) {
+void FramesOnDevice::step(const DriveStep& step) {
   each_frame(FrameUse::step, [&](size_t, const DeviceFrame& frame) {
     step_drives(device_, step.level, step.turn, step, frame.level);
     if (frame.modulus.drive.bytes() > 0) step_drives(device_, step.modulus, 0, step, frame.modulus);
   });
 }
 
-Drive FrameShare::rounded(size_t frame) {
+Drive FramesOnDevice::rounded(size_t frame) {
   place();
   if (are_streamed_) return kept_[frame].rounded;
   KeptFrame found;
@@ -140,7 +140,7 @@ Drive FrameShare::rounded(size_t frame) {
   return found.rounded;
 }
 
-void FrameShare::add_state(std::vector<Array2D<float>>& state) {
+void FramesOnDevice::add_state(std::vector<Array2D<float>>& state) {
   place();
   for (size_t m = 0; m < frames(); ++m)
     for (const KeptArray array : of_state) {
@@ -151,7 +151,7 @@ void FrameShare::add_state(std::vector<Array2D<float>>& state) {
     }
 }
 
-void FrameShare::restore(const std::vector<Array2D<float>>& state, size_t& next) {
+void FramesOnDevice::restore(const std::vector<Array2D<float>>& state, size_t& next) {
   place();
   for (size_t m = 0; m < frames(); ++m)
     for (const KeptArray array : of_state) {

@@ -1,4 +1,4 @@
-#include "holotrace/slm/encode/iterate/colour.h"
+#include "holotrace/slm/encode/iterate/wavelength_descent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +12,14 @@ constexpr double not_known = -1;  // the error of a plane
 
 }  // namespace
 
-Colour::Colour(const Slm& slm, const Hologram& hologram, double wavelength, const EncodeParams& params,
-               FrameArrays& frames)
+WavelengthDescent::WavelengthDescent(const Slm& slm, const Hologram& hologram, double wavelength,
+                                     const EncodeParams& params, FrameArrays& frames)
     : wavelength_(wavelength),
       pixels_(slm.grid),
       panel_(slm, hologram, wavelength, params.subpixels),
       frames_light_(frames.light_of(panel_, wavelength)) {}
 
-void Colour::add(const TargetPlane& target) {
+void WavelengthDescent::add(const TargetPlane& target) {
   frames_light_->add(target);
   targets_.push_back(&target);
   errors_.push_back(not_known);
@@ -31,7 +31,7 @@ void Colour::add(const TargetPlane& target) {
   are_smooth_ = are_smooth_ && is_smooth(target);
 }
 
-void Colour::add(const ViewTargets& views) {
+void WavelengthDescent::add(const ViewTargets& views) {
   views_.push_back(&views);
   errors_.push_back(not_known);
   powers_.push_back(target_power(views));
@@ -43,7 +43,7 @@ void Colour::add(const ViewTargets& views) {
   are_smooth_ = false;
 }
 
-double Colour::error() const {
+double WavelengthDescent::error() const {
   double error = 0, power = 0;
   for (size_t k = 0; k < errors_.size(); ++k)
     if (errors_[k] != not_known) {
@@ -53,7 +53,7 @@ double Colour::error() const {
   return power > 0 ? error * power_ / power : power_;
 }
 
-void Colour::judge() {
+void WavelengthDescent::judge() {
   leave();
   ModulusSums all;
   std::vector<ModulusSums> sums;
@@ -72,7 +72,7 @@ void Colour::judge() {
     errors_[k] = powers_[k] - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
 }
 
-void Colour::add_views(const ViewTargets& views, double factor) {
+void WavelengthDescent::add_views(const ViewTargets& views, double factor) {
   const double light = target_power(views);
   if (light == 0) return;
   constexpr double memory = 0.7;
@@ -86,13 +86,13 @@ void Colour::add_views(const ViewTargets& views, double factor) {
 
 // The scale that fits the planes of the latest turns: the sums of each earlier update count `memory` times those of
 // the next one, because the light in the planes grows while the frames are found.
-void Colour::fit_scale(const ModulusSums& turn, double memory) {
+void WavelengthDescent::fit_scale(const ModulusSums& turn, double memory) {
   recent_.cross = memory * recent_.cross + turn.cross;
   recent_.square = memory * recent_.square + turn.square;
   scale_ = recent_.square > 0 && recent_.cross > 0 ? recent_.cross / recent_.square : 1;
 }
 
-void Colour::add_planes(const std::vector<size_t>& planes, SampleGroup samples, double factor) {
+void WavelengthDescent::add_planes(const std::vector<size_t>& planes, SampleGroup samples, double factor) {
   ModulusSums turn;
   for (const size_t plane : planes) {
     const ModulusSums sums = frames_light_->plane_sums(plane, samples, true);
