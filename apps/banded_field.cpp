@@ -203,7 +203,7 @@ void hear(Work& work, const Ranks& ranks, const Ranks::Message& message, int& wo
 // This thread receives the messages, because MPI may be used by one thread only; another thread makes bands here. It
 // shares ownership of the work: if this thread fails, it does not wait for the other one.
 void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
-  ranks.others_work = true;
+  ranks.is_job_running = true;
   send_job(*work, ranks);
   std::thread([work] {
     try {
@@ -221,7 +221,7 @@ void share_bands(const std::shared_ptr<Work>& work, Ranks& ranks) {
       std::this_thread::sleep_for(std::chrono::microseconds(500));
   }
   if (work->failure) std::rethrow_exception(work->failure);
-  ranks.others_work = false;
+  ranks.is_job_running = false;
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ void write_patterns(const PatternOptions& o) {
   o.flags.apply(params);
   const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
-  CalibrationPlan plan{distance, make_test_patterns(slm_by_name(o.slm), wavelength, distance, params)};
+  CalibrationPlan plan{distance, make_test_patterns(load_slm(o.slm), wavelength, distance, params)};
   say_warnings(save_plan(o.output, plan));
   fmt::print("{} patterns and {}\n", plan.patterns.size(), plan_path(o.output));
 }
@@ -149,8 +149,7 @@ void add_calibrate_command(CLI::App& app, const GlobalFlags& global) {
 
   CLI::App* patterns = command->add_subcommand("patterns", "test patterns to show on the panel, and their plan");
   auto p = std::make_shared<PatternOptions>();
-  patterns->add_option("--slm", p->slm, "panel as it is assumed to be: preset name, or a file with [slm] [pluto]")
-      ->type_name("NAME|SCENE.toml");
+  add_slm(*patterns, p->slm, "pluto");
   patterns->add_option("--wavelength", p->wavelength, "wavelength of the light [" + p->wavelength + "]")
       ->type_name("LENGTH");
   patterns->add_option("--distance", p->distance, "distance from the panel to the camera's bare sensor [300 mm]")

@@ -37,8 +37,8 @@ void Checkpoints::add_flag(CLI::App& command, std::string& path) {
   command
       .add_option(
           "--checkpoint", path,
-          "sgd: file that keeps the state of the iterations, saved once a minute and on Ctrl-C; the same command "
-          "goes on from there, to the same holograms; several colours: NAME, NAME_2, …; removed at the end")
+          "sgd: file for the state of the iterations, saved once a minute and on Ctrl-C. The same command resumes "
+          "from it and gives the same holograms. The file is removed at the end. Several colours: NAME, NAME_2, …")
       ->type_name("FILE.h5");
 }
 

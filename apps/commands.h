@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "flags.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 
@@ -51,12 +52,25 @@ inline void add_report(CLI::App& command, std::string& path) {
 inline void add_wavelength(CLI::App& command, std::string& text) {
   command
       .add_option("--wavelength", text,
-                  "wavelength; several for colour, for example \"638 nm, 520 nm, 450 nm\" [the input's]")
+                  "wavelength of the light; several for colour, for example \"638 nm, 520 nm, 450 nm\" [the input's; "
+                  "models: 638, 532 and 450 nm if they have colours, else 532 nm]")
       ->type_name("LENGTHS");
 }
 
-/// A panel by preset name, from the [slm] of a scene file, or from a panel file. @throws Error as load_slm does
-inline Slm slm_by_name(const std::string& name) { return load_slm(name); }
+/// Sets the wavelengths of a job by the text of `--wavelength`, which then were not chosen for it. An empty text changes nothing.
+/// @throws Error  for a text that is not a list of lengths above 0
+inline void set_wavelengths(const std::string& text, Job& job) {
+  if (text.empty()) return;
+  job.wavelengths = parse_lengths_flag("--wavelength", text, range::positive);
+  std::erase_if(job.chosen, [](const auto& choice) { return choice.parameter == "wavelength"; });
+}
+
+/// Adds `--slm`, the name of a panel for load_slm. @param otherwise  the panel without the flag
+inline void add_slm(CLI::App& command, std::string& name, const std::string& otherwise) {
+  command
+      .add_option("--slm", name, "panel: name of a preset, panel file, or scene file with [slm] [" + otherwise + "]")
+      ->type_name("NAME|FILE.toml");
+}
 
 /// Extensions of the formats for fields; EXR has single precision only.
 inline std::vector<std::string> field_extensions(bool is_double) {

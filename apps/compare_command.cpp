@@ -233,15 +233,15 @@ void add_compare_command(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "a", o->a,
-          "reference; with --register the photograph; or the folder of a run, whose views are compared with its "
-          "renders, or are the reference of another run's")
+          "reference image or field; with --register: the photograph; folder of a run: its views are compared with "
+          "its renders or, if B is a folder too, are the reference for the views of B")
       ->required()
       ->type_name("A|DIR");
   command
       ->add_option(
           "b", o->b,
-          "image or field that is compared with it; with --register the simulation, which is then the reference; "
-          "or the folder of another run")
+          "image or field that is compared with A; with --register: the simulation, which is then the reference; if "
+          "A is the folder of a run: the folder of a second run")
       ->type_name("B|DIR");
   command->add_flag("--json", o->is_json, "as JSON");
   command

@@ -30,8 +30,8 @@ DisplayFunction load_display() {
 
 void check_greys(const std::string& path, const Hologram& hologram) {
   require(hologram.levels <= 256 && hologram.modulation != Modulation::complex,
-          "{}: expected a hologram of phase or amplitude with at most 256 levels, which a monitor output carries, got "
-          "{} levels{}",
+          "{}: expected a hologram of phase or of amplitude with at most 256 levels, because a monitor output has 8 "
+          "bits, got {} levels{}; encode it again for a phase or amplitude panel, with --levels 256",
           path, hologram.levels, hologram.modulation == Modulation::complex ? " of phase and of amplitude" : "");
 }
 

@@ -72,11 +72,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   add_output(
       *command, o->output,
       "hologram: .png, 8 or 16 bit by its levels, with its metadata; several frames or colours: NAME, NAME_2, …");
-  command
-      ->add_option(
-          "--slm", o->slm,
-          "panel: preset name, or a file with [slm] [256 levels on the field's grid; pictures and focal stacks: pluto]")
-      ->type_name("NAME|SCENE.toml");
+  add_slm(*command, o->slm, "256 levels on the field's grid; pictures and focal stacks: pluto");
   command
       ->add_option("--wavelength", o->wavelength, "wavelength of a target picture or focal stack; several for colour")
       ->type_name("LENGTHS");
@@ -117,11 +113,11 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
         o->input);
     Slm slm;
     if (!o->slm.empty()) {
-      slm = slm_by_name(o->slm);
+      slm = load_slm(o->slm);
     } else if (is_field) {
       slm = panel_for(fields.front().grid, params.method);
     } else {
-      slm = slm_by_name("pluto");
+      slm = load_slm("pluto");
     }
     std::vector<double> wavelengths;
     if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
@@ -139,7 +135,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     report.seed = params.seed;
     for (size_t i = 1; i < job.wavelengths.size() * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
     std::vector<Hologram> holograms = encode_job(job, o->frames, slm, params, report, console.stages());
-    global.ranks->others_work = false;
+    global.ranks->is_job_running = false;
     if (is_field && o->slm.empty())
       for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
     console.finish();

@@ -241,8 +241,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("SCENE.toml|SOURCES.ply|IMAGE");
   add_output(*command, o->output,
              "field file: .npy (with a sidecar .npy.json), .h5 or .exr; one per path group and light: NAME, NAME_2, …");
-  command->add_option("--slm", o->slm, "panel: preset name, or a file with [slm] [the scene's, or pluto]")
-      ->type_name("NAME|SCENE.toml");
+  add_slm(*command, o->slm, "the scene's, or pluto");
   o->panel.add(*command);
   add_wavelength(*command, o->wavelengths);
   command
@@ -266,7 +265,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
       check_output(o->output, field_extensions(false));
       Console console(global.is_quiet);
       console.keep_report(o->report);
-      Grid panel = slm_by_name(o->slm.empty() ? "pluto" : o->slm).grid;
+      Grid panel = load_slm(o->slm.empty() ? "pluto" : o->slm).grid;
       o->panel.apply(panel);
       check_whole_fits(panel, false);
       require(o->memory.empty() && !global.ranks->has_launcher(),
@@ -284,10 +283,12 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
     if (is_scene && o->inputs.size() > 1) throw CLI::ExtrasError({o->inputs.begin() + 1, o->inputs.end()});
     Job job;
     job.slm = slm_preset("pluto");
-    if (is_scene) job = load_scene(o->inputs.front(), global.outside());
-    if (!o->slm.empty()) job.slm = slm_by_name(o->slm);
+    if (is_scene)
+      job = load_scene(o->inputs.front(), global.outside(), {}, o->slm);
+    else if (!o->slm.empty())
+      job.slm = load_slm(o->slm);
     o->panel.apply(job.slm.grid);
-    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
+    set_wavelengths(o->wavelengths, job);
     require(!(o->is_double && job.trace.strategy == Strategy::gather),
             "expected --double with a scene whose strategy makes waves, got gather; use the strategy shared or tiled");
     o->flags.apply(job.synthesize);

@@ -122,9 +122,8 @@ void add_info_command(CLI::App& app, const GlobalFlags& global) {
     if (o->has_devices && !o->slm.empty()) throw CLI::ExcludesError("--devices", "--slm");
     if (o->has_devices) return print_devices(o->is_json);
     if (o->path.empty() && o->slm.empty()) throw CLI::RequiredError("a file or folder, --slm or --devices");
-    print_facts(
-        o->slm.empty() ? describe_input(o->path, o->flags, global.outside()) : describe_slm(slm_by_name(o->slm)),
-        o->is_json);
+    print_facts(o->slm.empty() ? describe_input(o->path, o->flags, global.outside()) : describe_slm(load_slm(o->slm)),
+                o->is_json);
   });
 }
 

@@ -186,10 +186,10 @@ LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command, cons
   LimitsQuestion q;
   q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength, range::positive);
   if (o.scene.empty()) {
-    q.slm = slm_by_name(o.slm);
+    q.slm = load_slm(o.slm);
   } else {
     const Job job = load_scene(o.scene, global.outside());
-    q.slm = command.count("--slm") > 0 ? slm_by_name(o.slm) : job.slm;
+    q.slm = command.count("--slm") > 0 ? load_slm(o.slm) : job.slm;
     if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
     q.points = points_of(job.scene);
   }
@@ -279,7 +279,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
 }
 
 void add_flags(CLI::App& command, LimitsOptions& o) {
-  command.add_option("--slm", o.slm, "panel: preset name, or a file with [slm] [pluto]")->type_name("NAME|SCENE.toml");
+  add_slm(command, o.slm, "pluto");
   command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each [" + o.wavelength + "]")
       ->type_name("LENGTHS");
   command

@@ -15,8 +15,8 @@
 namespace holotrace {
 
 void RankLinks::send(int to, const std::string& bytes) {
-  if (ranks_.rank() == 0 && !ranks_.others_work) {
-    ranks_.others_work = true;
+  if (ranks_.rank() == 0 && !ranks_.is_job_running) {
+    ranks_.is_job_running = true;
     const std::string threads = to_message(int32_t(threads_));
     for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, tag_frames, threads);
   }
@@ -34,7 +34,7 @@ std::string RankLinks::receive(int from) {
   return bytes;
 }
 
-bool RankLinks::has_job() {
+bool RankLinks::wait_for_job() {
   Ranks::Message message = ranks_.receive();
   if (message.tag != tag_link) return false;
   heard_[message.from].push_back(std::move(message.bytes));
@@ -48,7 +48,7 @@ void serve_frames(Ranks& ranks, const Ranks::Message& first) {
                                   size_t(threads > 0 ? threads : ranks.threads()));
   ignore_interrupts();  // rank 0 saves, and ends all ranks
   RankLinks links(ranks);
-  while (links.has_job()) find_frames_of_rank(links);
+  while (links.wait_for_job()) optimise_frames_for_first_process(links);
 }
 
 }  // namespace holotrace

@@ -18,11 +18,12 @@ class RankLinks : public ProcessLinks {
 
   int count() const override { return ranks_.size(); }
   PlaceOnMachine here() const override { return {ranks_.rank_here(), ranks_.ranks_here()}; }
+  /// The first call on rank 0 also starts the job: it tells every other rank to take frames, and how many threads it has.
   void send(int to, const std::string& bytes) override;
   std::string receive(int from) override;
 
   /// On a rank other than rank 0: waits for the next job. @return false if rank 0 has none
-  bool has_job();
+  bool wait_for_job();
 
  private:
   Ranks& ranks_;
@@ -30,7 +31,7 @@ class RankLinks : public ProcessLinks {
   std::map<int, std::deque<std::string>> heard_{};  // of each rank, what is not received yet
 };
 
-/// The part of the ranks other than rank 0, from rank 0's first message about frames on.
+/// The work of a rank other than rank 0, after its first message about frames.
 void serve_frames(Ranks& ranks, const Ranks::Message& first);
 
 }  // namespace holotrace

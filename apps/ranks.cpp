@@ -36,8 +36,8 @@ const MpiModule* load_module(int ranks) {
 
 const MpiModule* load_module(int ranks) {
   require(ranks <= 1,
-          "expected a build with MPI to be started by a launcher of {} processes, got one without; build with "
-          "-DHOLOTRACE_MPI=ON, or start it alone",
+          "expected a build of holotrace with MPI for {} processes under mpirun, got a build without MPI; build with "
+          "-DHOLOTRACE_MPI=ON, or run holotrace without mpirun",
           ranks);
   return nullptr;
 }

@@ -46,7 +46,7 @@ class Ranks {
   /// Ends all ranks at once, this one with the given exit code.
   [[noreturn]] void end_all(int exit_code) const;
 
-  bool others_work = false;  ///< the other ranks are in a job: an error here ends them at once
+  bool is_job_running = false;  ///< the other ranks are in a job: an error here ends them at once
 
  private:
   int rank_ = 0, size_ = 1, threads_ = 0, rank_here_ = 0, ranks_here_ = 1;

@@ -82,12 +82,7 @@ struct ModelFlags {
   Flags flags{};
 
   void add(CLI::App& command) {
-    command
-        .add_option(
-            "--slm", slm,
-            "panel: preset name, or a file with [slm]; models are placed to fill its view [the scene's; models: "
-            "pluto]")
-        ->type_name("NAME|SCENE.toml");
+    add_slm(command, slm, "the scene's; models, which are placed to fill its view: pluto");
     flags.add(command, ModelParams(), {}, "Models (files of meshes or points in place of a scene)");
   }
 
@@ -167,11 +162,11 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "-o,--output", o->folder,
-          "output folder for render.png, render.exr (its radiance), sources.ply (or points.ply, places without waves), "
-          "field.npy, hologram.png, view.png, report.json; files of one kind are named NAME, NAME_2, …; a sweep adds "
-          "view_sweep_01.png, …, view_sweep.gif and view_sweep.png (chart); an eye of [encode] adds view_beside.png, what an eye "
-          "beside its eyebox sees; two eyes add stereo_left.png, … (the "
-          "render) and holo_left.png, …")
+          "output folder for render.png, render.exr (radiance), hologram.png, view.png and report.json. Holograms of "
+          "waves add sources.ply and field.npy; runs without sources.ply add points.ply (surface points for "
+          "holotrace view). Several files of a kind: NAME, NAME_2, …. --sweep adds view_sweep_01.png, …, "
+          "view_sweep.gif and the chart view_sweep.png. [encode] eye adds view_beside.png, the view of an eye just "
+          "outside the eyebox. --eye-separation adds stereo_left.png, … (renders) and holo_left.png, … (views)")
       ->required()
       ->type_name("DIR");
   add_wavelength(*command, o->wavelengths);
@@ -205,7 +200,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     o->trace_flags.apply(job.trace);
     if (o->trace_flags.has("accelerator")) job.render.accelerator = job.trace.accelerator;
     o->synthesize_flags.apply(job.synthesize);
-    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
+    set_wavelengths(o->wavelengths, job);
     if (!o->eye_separation.empty())
       job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
     if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
@@ -228,15 +223,15 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     console.keep_progress_in(o->folder);
     RankLinks links(*global.ranks, global.threads);
-    Boxes boxes = run(
+    RunResults results = run(
         job, console.stages(), [&](size_t i) { return checkpoints.of(i); }, &links);
-    global.ranks->others_work = false;
+    global.ranks->is_job_running = false;
     console.finish();
-    if (estimate) print_comparison(*estimate, compare_with_run(*estimate, boxes.report));
-    const SavedRun saved = save_run(o->folder, boxes, job, console.stages(), defer_interrupts);
+    if (estimate) print_comparison(*estimate, compare_with_run(*estimate, results.report));
+    const SavedRun saved = save_run(o->folder, results, job, console.stages(), defer_interrupts);
     console.finish();
     say_warnings(saved.notes);
-    if (!global.is_quiet) print_summary(boxes.report, o->folder, saved.files);
+    if (!global.is_quiet) print_summary(results.report, o->folder, saved.files);
     checkpoints.remove();
   });
 }
@@ -334,7 +329,7 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
     o->flags.apply(job.trace);
-    if (!o->wavelengths.empty()) job.wavelengths = parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
+    set_wavelengths(o->wavelengths, job);
     job = choose_missing(std::move(job), Goal::waves);
     check_output(o->output, {".ply"});
     Console console(global.is_quiet);

@@ -38,7 +38,7 @@ void serve_ranks(Ranks& ranks) {
 }
 
 void dismiss_ranks(Ranks& ranks, int exit_code) {
-  if (ranks.others_work) ranks.end_all(exit_code);
+  if (ranks.is_job_running) ranks.end_all(exit_code);
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_end);
   ranks.leave();
 }

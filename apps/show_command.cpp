@@ -56,10 +56,11 @@ void check_series(const std::vector<std::string>& inputs) {
     stem.resize(stem.size() - ending.size());
     const auto [found, is_new] = series.try_emplace((p.parent_path() / stem).string(), First{path, part});
     const First& first = found->second;
-    require(is_new || first.part.count == part.count,
-            "expected holograms that were made together, but {} is number {} of {}, and {} number {} of {}; leave out "
-            "those of the earlier run",
-            first.path, first.part.number, first.part.count, path, part.number, part.count);
+    require(
+        is_new || first.part.count == part.count,
+        "expected holograms of one series, but {} is number {} of a series of {}, and {} is number {} of a series of "
+        "{}; leave out the files of the earlier run",
+        first.path, first.part.number, first.part.count, path, part.number, part.count);
   }
 }
 
@@ -90,17 +91,14 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "holograms", o->inputs,
-          "hologram files .png, or the folder of a run for all of its holograms. Several of one wavelength and name are "
-          "averaged as frames, different names are added, and different wavelengths become colours")
+          "hologram files .png, or the folder of a run for all of its holograms. Several of one wavelength and name "
+          "are averaged as frames, different names are added, and different wavelengths become colours")
       ->required()
       ->type_name("HOLOGRAM.png|DIR");
   add_output(*command, o->output,
              "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, "
              "…, NAME_sweep.gif and its chart NAME_sweep.png; .gif: only the animation of a sweep");
-  command
-      ->add_option("--slm", o->slm,
-                   "panel: preset name, or a file with [slm] [the one the hologram was made for, or pluto]")
-      ->type_name("NAME|SCENE.toml");
+  add_slm(*command, o->slm, "the one the hologram was made for, or pluto");
   add_report(*command, o->report);
   command
       ->add_option(

@@ -129,8 +129,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
                    "sources (.ply) or a scene (.toml)")
       ->required()
       ->type_name("PATH");
-  command->add_option("--slm", o->slm, "panel: preset name, or a file with [slm] [the hologram's, or pluto]")
-      ->type_name("NAME|SCENE.toml");
+  add_slm(*command, o->slm, "the hologram's, or pluto");
   command->add_option("--port", o->port, "port of the server; 0: one that is free [0]")->type_name("N");
   command->add_flag("--no-browser", o->has_no_browser, "only print the address of the page, open no browser");
   command

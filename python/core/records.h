@@ -14,8 +14,8 @@ namespace holotrace::python {
 struct RunRecord {
   Job job;  ///< with the numbers that its quality chooses
   Report report;
-  std::vector<Sources> points;   ///< as in Boxes
-  std::vector<Image> radiances;  ///< as in Boxes
+  std::vector<Sources> points;   ///< as in RunResults
+  std::vector<Image> radiances;  ///< as in RunResults
 };
 struct ViewRecord {
   CameraParams camera;

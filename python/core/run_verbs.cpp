@@ -19,58 +19,58 @@ namespace {
 
 nb::dict run_job(const Job& given, Watch& watch) {
   const Job job = choose_missing(given);
-  Boxes boxes = watch.run("run", [&](const Observer&) {
+  RunResults found = watch.run("run", [&](const Observer&) {
     return run(job, [&](const std::string& stage) { return watch.observer(stage); });
   });
   nb::dict results;
   nb::list fields;
-  for (std::vector<Field>& group : boxes.fields) fields.append(moved(group));
-  results["renders"] = moved(boxes.renders);
-  results["render_white"] = boxes.render_white;
-  results["sources"] = moved(boxes.sources);
+  for (std::vector<Field>& group : found.fields) fields.append(moved(group));
+  results["renders"] = moved(found.renders);
+  results["render_white"] = found.render_white;
+  results["sources"] = moved(found.sources);
   results["fields"] = fields;
-  results["holograms"] = moved(boxes.holograms);
-  results["views"] = moved(boxes.views);
-  results["white"] = boxes.white;
-  results["views_beside"] = moved(boxes.views_beside);
-  results["sweep"] = moved(boxes.sweep.images);
-  results["sweep_white"] = boxes.sweep.white;
-  results["stereo_renders"] = moved(boxes.stereo_renders);
-  results["stereo_views"] = moved(boxes.stereo_views.images);
-  results["stereo_white"] = boxes.stereo_views.white;
-  results["report"] = json_of(boxes.report);
+  results["holograms"] = moved(found.holograms);
+  results["views"] = moved(found.views);
+  results["white"] = found.white;
+  results["views_beside"] = moved(found.views_beside);
+  results["sweep"] = moved(found.sweep.images);
+  results["sweep_white"] = found.sweep.white;
+  results["stereo_renders"] = moved(found.stereo_renders);
+  results["stereo_views"] = moved(found.stereo_views.images);
+  results["stereo_white"] = found.stereo_views.white;
+  results["report"] = json_of(found.report);
   results["record"] =
-      nb::cast(RunRecord{job, std::move(boxes.report), std::move(boxes.points), std::move(boxes.radiances)});
+      nb::cast(RunRecord{job, std::move(found.report), std::move(found.points), std::move(found.radiances)});
   return results;
 }
 
-Boxes boxes_of(const nb::dict& made, const RunRecord& record) {
-  Boxes boxes;
-  boxes.renders = nouns_of<Image>(made, "renders");
-  boxes.render_white = nb::cast<double>(made["render_white"]);
-  boxes.sources = nouns_of<Sources>(made, "sources");
-  boxes.fields = nouns_of<std::vector<Field>>(made, "fields");
-  boxes.holograms = nouns_of<Hologram>(made, "holograms");
-  boxes.views = nouns_of<Image>(made, "views");
-  boxes.white = nb::cast<double>(made["white"]);
-  boxes.views_beside = nouns_of<Image>(made, "views_beside");
-  boxes.sweep = series_of(made, "sweep", "sweep_white");
-  boxes.stereo_renders = nouns_of<Image>(made, "stereo_renders");
-  boxes.stereo_views = series_of(made, "stereo_views", "stereo_white");
-  boxes.viewpoints = viewpoints(record.job.camera, record.job.render);
-  boxes.report = record.report;
-  boxes.points = record.points;
-  boxes.radiances = record.radiances;
-  return boxes;
+RunResults results_of(const nb::dict& made, const RunRecord& record) {
+  RunResults found;
+  found.renders = nouns_of<Image>(made, "renders");
+  found.render_white = nb::cast<double>(made["render_white"]);
+  found.sources = nouns_of<Sources>(made, "sources");
+  found.fields = nouns_of<std::vector<Field>>(made, "fields");
+  found.holograms = nouns_of<Hologram>(made, "holograms");
+  found.views = nouns_of<Image>(made, "views");
+  found.white = nb::cast<double>(made["white"]);
+  found.views_beside = nouns_of<Image>(made, "views_beside");
+  found.sweep = series_of(made, "sweep", "sweep_white");
+  found.stereo_renders = nouns_of<Image>(made, "stereo_renders");
+  found.stereo_views = series_of(made, "stereo_views", "stereo_white");
+  found.viewpoints = viewpoints(record.job.camera, record.job.render);
+  found.report = record.report;
+  found.points = record.points;
+  found.radiances = record.radiances;
+  return found;
 }
 
 void save(const std::string& folder, const nb::dict& made, const RunRecord& record, Watch& watch) {
-  const Boxes boxes = boxes_of(made, record);
+  const RunResults found = results_of(made, record);
   watch.run("save", [&](const Observer& observer) {
     make_folder(folder);
     const FolderLock lock(folder);
     const SavedRun saved =
-        save_run(folder, boxes, record.job, [&](const std::string& stage) { return watch.observer(stage); });
+        save_run(folder, found, record.job, [&](const std::string& stage) { return watch.observer(stage); });
     for (const std::string& note : saved.notes) observer.warn(note);
     return true;
   });

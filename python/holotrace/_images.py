@@ -163,7 +163,7 @@ def load_depth_image(
 
 
 class FocalStack(Noun):
-    """Pictures of one scene in several planes behind the panel, each with that plane in focus.
+    """Pictures of one scene, each with another plane in focus. Planes are behind the panel, or in front of it at negative distances.
 
     Parameters
     ----------

@@ -122,7 +122,7 @@ class Scene(Noun):
 
     @property
     def warnings(self) -> List[str]:
-        """What the files have and is not shown."""
+        """Warnings about features of the files that are not shown, and about old names of keys."""
         return list(self._core.warnings)
 
     def parameters(self, stage: str) -> Dict[str, Any]:
@@ -173,7 +173,7 @@ def render(scene: Scene, *, progress: Progress = None, **params: Any) -> Image:
 def render_pair(
     scene: Scene, eye_separation: Length, *, progress: Progress = None, **params: Any
 ) -> Tuple[Image, Image]:
-    """Pictures for the left and the right eye, this far apart about ``eye``. ``ht.anaglyph`` makes one of both."""
+    """Pictures for the left and the right eye. The eyes are ``eye_separation`` apart, centred on ``eye``. ``ht.anaglyph`` combines both pictures into one."""
     refuse(params, ("focal_stack",), "use ht.focal_stack")
     with watching(progress) as watch:
         given = {**params, "eye_separation": eye_separation}
@@ -184,7 +184,7 @@ def render_pair(
 @takes("render", without=("columns", "rows", "field_of_view", "eye", "lens", "pupil", "focus", "focal_stack",
                           "eye_separation"), of_scene=True)
 def focal_stack(scene: Scene, distances: Lengths, *, progress: Progress = None, **params: Any) -> FocalStack:
-    """Path-traced pictures in planes at these distances behind the panel, each in focus, from one tracing."""
+    """Path-traced pictures of a scene, one for each plane in focus, from one tracing. ``distances`` are those of the planes behind the panel; negative: in front of it."""
     with watching(progress) as watch:
         core = _core.focal_stack(a(Scene, scene, "to render"), distances, params, watch.core)
     return FocalStack._of(core, watch.facts)

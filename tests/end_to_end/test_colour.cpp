@@ -55,10 +55,10 @@ std::vector<Vec3> mean_colours(Job job, const std::vector<Vec3>& colours, double
   std::vector<Vec3> means(colours.size());
   for (int seed = 1; seed <= runs; ++seed) {
     job.trace.seed = seed;
-    const Boxes boxes = run(job);
-    EXPECT_EQ(boxes.views.front().channels, 3);
+    const RunResults results = run(job);
+    EXPECT_EQ(results.views.front().channels, 3);
     for (size_t i = 0; i < colours.size(); ++i)
-      means[i] += mean_colour(boxes.views.front(), i, colours.size(), side) / runs;
+      means[i] += mean_colour(results.views.front(), i, colours.size(), side) / runs;
   }
   return means;
 }
@@ -99,15 +99,15 @@ TEST(Colour, TheViewHasTheColoursOfTheScene) {
 
 TEST(Colour, ARedSceneIsDarkInGreenAndBlue) {
   Job job = quads({{1, 0, 0}}, 0.06, 1e-3, panel);
-  const Boxes boxes = run(job);
-  ASSERT_EQ(boxes.holograms.size(), 3u);
-  EXPECT_GT(boxes.holograms[0].illumination, 0);
-  EXPECT_EQ(boxes.holograms[1].illumination, 0);
-  EXPECT_EQ(boxes.holograms[2].illumination, 0);
-  ASSERT_EQ(boxes.fields.size(), 1u);
-  ASSERT_EQ(boxes.fields[0].size(), 3u);
-  EXPECT_EQ(power(boxes.fields[0][1]), 0);
-  const Vec3 red = mean_colour(boxes.views[0], 0, 1, 1e-3);
+  const RunResults results = run(job);
+  ASSERT_EQ(results.holograms.size(), 3u);
+  EXPECT_GT(results.holograms[0].illumination, 0);
+  EXPECT_EQ(results.holograms[1].illumination, 0);
+  EXPECT_EQ(results.holograms[2].illumination, 0);
+  ASSERT_EQ(results.fields.size(), 1u);
+  ASSERT_EQ(results.fields[0].size(), 3u);
+  EXPECT_EQ(power(results.fields[0][1]), 0);
+  const Vec3 red = mean_colour(results.views[0], 0, 1, 1e-3);
   EXPECT_GT(red.x, 0);
   EXPECT_EQ(red.y, 0);
   EXPECT_EQ(red.z, 0);
@@ -118,15 +118,15 @@ TEST(Colour, TheReportTellsColoursSetsAndFramesInOneEntryPerStage) {
   job.trace.columns = job.trace.rows = 16;
   job.trace.phase = SourcePhase::constant;
   job.trace.frames = 2;
-  const Boxes boxes = run(job);
-  EXPECT_EQ(boxes.holograms.size(), 6u);
+  const RunResults results = run(job);
+  EXPECT_EQ(results.holograms.size(), 6u);
   for (size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(boxes.holograms[i].label.frame, i / 3);
-    EXPECT_EQ(boxes.holograms[i].wavelength, laser_lines[i % 3]);
+    EXPECT_EQ(results.holograms[i].label.frame, i / 3);
+    EXPECT_EQ(results.holograms[i].wavelength, laser_lines[i % 3]);
   }
   std::map<std::string, std::map<std::string, Fact>> stages;
   std::vector<std::string> warnings;
-  for (const StageReport& stage : boxes.report.stages) {
+  for (const StageReport& stage : results.report.stages) {
     EXPECT_FALSE(stages.contains(stage.stage)) << stage.stage << " twice";
     for (const auto& [name, fact] : stage.facts) stages[stage.stage][name] = fact;
     warnings.insert(warnings.end(), stage.warnings.begin(), stage.warnings.end());
@@ -136,7 +136,7 @@ TEST(Colour, TheReportTellsColoursSetsAndFramesInOneEntryPerStage) {
   EXPECT_EQ(std::get<int64_t>(stages.at("trace").at("frames")), 2);
   EXPECT_EQ(std::get<int64_t>(stages.at("encode").at("holograms")), 6);
   int64_t waves = 0;
-  for (const Sources& set : boxes.sources) waves += int64_t(set.waves.size());
+  for (const Sources& set : results.sources) waves += int64_t(set.waves.size());
   EXPECT_EQ(std::get<int64_t>(stages.at("synthesize").at("waves")), 2 * waves);
   EXPECT_TRUE(stages.at("look at 30 mm").contains("psnr_db"));
   EXPECT_TRUE(stages.at("look at 30 mm").contains("speckle_contrast"));
@@ -162,9 +162,9 @@ TEST(Colour, ALensIsFocusedAtEveryViewingDistance) {
   job.camera.distances = {0.03, 0.035, 0.04};
   EXPECT_EQ(run(job).renders.size(), 1u);  // a pinhole has no focus
   job.render.lens = Lens::round;
-  const Boxes boxes = run(job);
-  EXPECT_EQ(boxes.renders.size(), 3u);
-  EXPECT_EQ(boxes.report.stages.front().stage, "render focused at 30 mm");
+  const RunResults results = run(job);
+  EXPECT_EQ(results.renders.size(), 3u);
+  EXPECT_EQ(results.report.stages.front().stage, "render focused at 30 mm");
 }
 
 TEST(Colour, AWavelengthGivenTwiceIsRefused) {

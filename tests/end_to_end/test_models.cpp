@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "end_to_end/scenes.h"
+#include "holotrace/io/field/field_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "support/fields.h"
 #include "support/gltf.h"
 #include "support/program.h"
 
@@ -36,6 +38,36 @@ TEST(Models, FlagsOfModelsAreRefusedForScenes) {
   const Outcome outcome = work.run({"run", "scene.toml", "-o", "out", "--up", "z"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("expected --up with a model, got the scene scene.toml"), std::string::npos) << outcome.err;
+}
+
+TEST(Models, WavelengthsThatAreGivenAreNotSaidToBeChosen) {
+  const Workplace work;
+  work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  work.write("p.toml", "columns = 64\nrows = 48\npitch = \"8 um\"\n");
+  const auto chosen = [&](std::vector<std::string> flags) {
+    std::vector<std::string> command{"run", "m.obj",   "--slm", "p.toml", "--iterations",
+                                     "2",   "--paths", "1",     "-o",     "out"};
+    command.insert(command.end(), flags.begin(), flags.end());
+    const Outcome outcome = work.run(command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return work.read("out/report.json").find("\"parameter\": \"wavelength\"") != std::string::npos;
+  };
+  EXPECT_TRUE(chosen({}));
+  EXPECT_FALSE(chosen({"--wavelength", "600 nm"}));
+}
+
+// The field of a model is that of the waves that `trace` finds with the same panel, which the model is placed before.
+TEST(Models, AFieldOfAModelIsThatBeforeTheGivenPanel) {
+  const Workplace work;
+  work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  work.write("p.toml", "columns = 50\nrows = 40\npitch = \"8 um\"\n");
+  ASSERT_EQ(work.run({"trace", "m.obj", "--slm", "p.toml", "-o", "w.ply"}).exit_code, 0);
+  ASSERT_EQ(work.run({"field", "w.ply", "--slm", "p.toml", "-o", "of_waves.npy"}).exit_code, 0);
+  ASSERT_EQ(work.run({"field", "m.obj", "--slm", "p.toml", "-o", "of_model.npy"}).exit_code, 0);
+  const Field expected = load_field(work.path("of_waves.npy")), found = load_field(work.path("of_model.npy"));
+  ASSERT_EQ(found.grid.nx, 50);
+  EXPECT_GT(power(expected), 0);
+  EXPECT_LT(relative_error(found, expected), 1e-5);  // PLY files keep places in double, amplitudes in float
 }
 
 TEST(Models, FilesBesideAModelAreFoundFromAnywhere) {

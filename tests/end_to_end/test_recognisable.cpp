@@ -68,13 +68,14 @@ Job model_job(const Workplace& work, const std::string& file) {
 }
 
 void expect_recognised(const Job& job) {
-  const Boxes boxes = run(job);
-  ASSERT_EQ(boxes.views.size(), 2u);
+  const RunResults results = run(job);
+  ASSERT_EQ(results.views.size(), 2u);
   // The picture in focus, at the same tangents on both sensors. Out of focus it would only be blurred.
-  const Image picture = seen_at(boxes.renders.at(0), job.wavelengths);
-  const Image reference = project_render(picture, half_tangent(job), boxes.views[0], 60e-3);
-  const Metrics sharp = compare(reference, boxes.views[0]);
-  const Metrics blurred = compare(project_render(picture, half_tangent(job), boxes.views[1], 70e-3), boxes.views[1]);
+  const Image picture = seen_at(results.renders.at(0), job.wavelengths);
+  const Image reference = project_render(picture, half_tangent(job), results.views[0], 60e-3);
+  const Metrics sharp = compare(reference, results.views[0]);
+  const Metrics blurred =
+      compare(project_render(picture, half_tangent(job), results.views[1], 70e-3), results.views[1]);
   testing::Test::RecordProperty("metrics", fmt::format("sharp {:.2f} dB, {:.3f}; blurred {:.2f} dB, {:.3f}", sharp.psnr,
                                                        sharp.ssim, blurred.psnr, blurred.ssim));
   // Speckle remains: a bin of 2.05 grains averages 2.6² of them (their autocorrelation is sinc²), with 8 frames

@@ -339,7 +339,7 @@ TEST(Viewing, ProgressOfManyIlluminationStatesAndViewsGoesOnceFromStartToEnd) {
   job.camera.sweep_views = 3;
   std::map<std::string, std::vector<double>> heard;
   std::mutex mutex;
-  const Boxes boxes = run(job, [&](const std::string& stage) {
+  const RunResults results = run(job, [&](const std::string& stage) {
     Observer observer;
     observer.on_progress = [&, stage](double fraction) {
       const std::lock_guard lock(mutex);
@@ -352,9 +352,9 @@ TEST(Viewing, ProgressOfManyIlluminationStatesAndViewsGoesOnceFromStartToEnd) {
   EXPECT_NEAR(*std::max_element(fractions.begin(), fractions.end()), 1, 1e-12);
   EXPECT_LT(*std::min_element(fractions.begin(), fractions.end()), 0.05);
   EXPECT_FALSE(heard.contains("show"));
-  EXPECT_EQ(boxes.sweep.images.size(), 3u);
-  EXPECT_EQ(boxes.stereo_views.images.size(), 2u);
-  EXPECT_EQ(boxes.stereo_renders.size(), 2u);
+  EXPECT_EQ(results.sweep.images.size(), 3u);
+  EXPECT_EQ(results.stereo_views.images.size(), 2u);
+  EXPECT_EQ(results.stereo_renders.size(), 2u);
 }
 
 TEST(Viewing, NoiseComesAfterTheSumOfFramesAndCountsElectrons) {
@@ -392,8 +392,8 @@ TEST(Viewing, TheReferenceOfALensIsThePlaneThatItLooksAt) {
         "centre_x = \"{} mm\"\ncentre_y = \"{} mm\"\n{}[render]\nrows = 32\n",
         16 * m, 1.6 * m, 1.2 * m, 0.2 * m, -0.1 * m, lens);
     const std::string path = work.write("scene.toml", scene_head() + points_object() + camera);
-    const Boxes boxes = run(load_job(path));
-    for (const StageReport& stage : boxes.report.stages)
+    const RunResults results = run(load_job(path));
+    for (const StageReport& stage : results.report.stages)
       for (const auto& [name, fact] : stage.facts)
         if (name == "psnr_db") return std::get<double>(fact);
     ADD_FAILURE() << "no metrics";

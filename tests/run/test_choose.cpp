@@ -37,7 +37,7 @@ TEST(Choose, AJobThatGivesNothingGetsTheOptimisedPicture) {
   EXPECT_GT(job.render.paths, 0);
   ASSERT_NE(chosen_for(job, "encode.method"), nullptr);
   EXPECT_EQ(chosen_for(job, "encode.method")->value, "sgd");
-  EXPECT_EQ(chosen_for(job, "encode.method")->why, "nothing asks for waves");
+  EXPECT_EQ(chosen_for(job, "encode.method")->why, "no parameter of waves is given");
   EXPECT_TRUE(job.warnings.empty());
 }
 
@@ -159,7 +159,7 @@ TEST(Choose, AQualityOrATargetAsksForThePicture) {
     EXPECT_EQ(job.encode.method, Encoding::sgd);
     EXPECT_EQ(job.encode.target, by_quality ? EncodeTarget::render : EncodeTarget::light_field);
     ASSERT_EQ(job.warnings.size(), 1u);
-    EXPECT_NE(job.warnings[0].find("trace.columns is for waves and not used"), std::string::npos);
+    EXPECT_NE(job.warnings[0].find("trace.columns: not used"), std::string::npos);
   }
 }
 

@@ -62,8 +62,7 @@ TEST(IlluminationPlan, RefusesAStateThatThePixelsCannotHold) {
   show.illumination_states = 16;
   const Viewpoint from{ViewKind::distance, "look", 0.1, 0, {}};
   const auto plan = [&] { plan_illumination(slm, show, 532e-9, ImageSide::virtual_image, {from}, {}); };
-  EXPECT_NE(error_of(plan).find("expected light that meets the panel below 1.905"), std::string::npos)
-      << error_of(plan);
+  EXPECT_NE(error_of(plan).find("expected illumination at an angle below 1.905"), std::string::npos) << error_of(plan);
   show.source_angle = 1 * pi / 180;
   EXPECT_NO_THROW(plan());
 }

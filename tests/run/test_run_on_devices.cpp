@@ -120,15 +120,15 @@ TEST_P(RunsOnDevices, FetchTheFieldsOfTheFirstFrame) {
   Job job = job_of({532e-9, 638e-9}, here());
   job.trace.frames = 2;
   Watch watch(device_);
-  const Boxes boxes = run(job);
+  const RunResults results = run(job);
   EXPECT_EQ(watch.fields, 2);
-  ASSERT_EQ(boxes.fields.size(), 1u);
-  ASSERT_EQ(boxes.fields[0].size(), 2u);
-  EXPECT_EQ(boxes.holograms.size(), 4u);
+  ASSERT_EQ(results.fields.size(), 1u);
+  ASSERT_EQ(results.fields[0].size(), 2u);
+  EXPECT_EQ(results.holograms.size(), 4u);
   job.synthesize.device = {};
-  const Boxes expected = run(job);
+  const RunResults expected = run(job);
   for (size_t i = 0; i < 2; ++i) {
-    const Array2D<std::complex<float>>&a = boxes.fields[0][i].samples, &b = expected.fields[0][i].samples;
+    const Array2D<std::complex<float>>&a = results.fields[0][i].samples, &b = expected.fields[0][i].samples;
     double error = 0, norm = 0;
     for (size_t k = 0; k < b.size(); ++k) {
       error += std::norm(a.values[k] - b.values[k]);
@@ -151,12 +151,12 @@ TEST_P(RunsOnDevices, SayThatAFieldIsSummedAgain) {
   Job on_processor = job_of({532e-9}, {});
   Watch watch(device_);
   watch.fails = true;
-  const Boxes boxes = run(job);
+  const RunResults results = run(job);
   EXPECT_EQ(watch.fields, 1);
-  EXPECT_EQ(boxes.fields.at(0).at(0).samples.values, run(on_processor).fields.at(0).at(0).samples.values);
-  const auto stage = std::find_if(boxes.report.stages.begin(), boxes.report.stages.end(),
+  EXPECT_EQ(results.fields.at(0).at(0).samples.values, run(on_processor).fields.at(0).at(0).samples.values);
+  const auto stage = std::find_if(results.report.stages.begin(), results.report.stages.end(),
                                   [](const StageReport& s) { return s.stage == "synthesize"; });
-  ASSERT_NE(stage, boxes.report.stages.end());
+  ASSERT_NE(stage, results.report.stages.end());
   ASSERT_EQ(stage->warnings.size(), 1u);
   EXPECT_EQ(stage->warnings[0].find("the device auto: the processor took over, because the device "), 0u);
 }

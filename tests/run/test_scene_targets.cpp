@@ -216,9 +216,9 @@ TEST(SceneTargets, ColoursAreAsBrightAsTheirTargets) {
   job.encode.iterations = 40;
   job.encode.target_distances = {0.02};
   job.trace.frames = 2;
-  const Boxes boxes = run(job);
-  for (const Hologram& hologram : boxes.holograms) EXPECT_FALSE(hologram.losses.by_cone || hologram.losses.by_pixels);
-  const Image& view = boxes.views.front();
+  const RunResults results = run(job);
+  for (const Hologram& hologram : results.holograms) EXPECT_FALSE(hologram.losses.by_cone || hologram.losses.by_pixels);
+  const Image& view = results.views.front();
   ASSERT_EQ(view.channels, 3);
   Vec3 sum;  // over the near square, 38 pixels wide, but for its edge
   const int middle = int(std::lround((-2e-4 - job.slm.grid.x(0)) / job.slm.grid.pitch)),
@@ -237,12 +237,12 @@ TEST(SceneTargets, RunShowsTheTracedLight) {
   job.encode.iterations = 40;
   job.encode.planes = 5;  // eight turns for each
   job.trace.frames = 4;
-  const Boxes boxes = run(job);
-  EXPECT_EQ(boxes.holograms.size(), 4u);
-  EXPECT_TRUE(boxes.sources.empty());
-  EXPECT_TRUE(boxes.fields.empty());
-  EXPECT_EQ(boxes.report.stages.front().stage, "focal stack");
-  const auto psnr = [](const Boxes& shown) {  // of the view
+  const RunResults results = run(job);
+  EXPECT_EQ(results.holograms.size(), 4u);
+  EXPECT_TRUE(results.sources.empty());
+  EXPECT_TRUE(results.fields.empty());
+  EXPECT_EQ(results.report.stages.front().stage, "focal stack");
+  const auto psnr = [](const RunResults& shown) {  // of the view
     for (const StageReport& stage : shown.report.stages)
       for (const auto& [name, value] : stage.facts)
         if (stage.stage.starts_with("look") && name == "psnr_db") return std::get<double>(value);
@@ -250,7 +250,7 @@ TEST(SceneTargets, RunShowsTheTracedLight) {
   };
   job.encode.iterations = 1;
   job.encode.start = StartPhase::random;
-  EXPECT_GT(psnr(boxes), psnr(run(job)) + 5);  // a third of the error, or less
+  EXPECT_GT(psnr(results), psnr(run(job)) + 5);  // a third of the error, or less
 }
 
 double fact_of(const Report& report, const std::string& stage, const std::string& name) {
@@ -270,18 +270,18 @@ TEST(SceneTargets, JointHologramsShowAllColours) {
   job.encode.planes = 3;
   job.encode.iterations = 60;
   job.trace.frames = 2;
-  const Boxes boxes = run(job);
-  ASSERT_EQ(boxes.holograms.size(), 2u);
-  for (const Hologram& hologram : boxes.holograms) {
+  const RunResults results = run(job);
+  ASSERT_EQ(results.holograms.size(), 2u);
+  for (const Hologram& hologram : results.holograms) {
     ASSERT_EQ(hologram.colours.size(), 2u);
     EXPECT_EQ(hologram.colours[1].wavelength, 633e-9);
     EXPECT_EQ(hologram.colours[0].illumination, hologram.illumination);
     EXPECT_GT(hologram.colours[1].illumination, 0);
   }
-  EXPECT_EQ(boxes.views.front().channels, 3);
+  EXPECT_EQ(results.views.front().channels, 3);
   job.encode.iterations = 1;
   const double before = fact_of(run(job).report, "look", "psnr_db");
-  EXPECT_GT(fact_of(boxes.report, "look", "psnr_db"), before + 3);  // half the error, or less
+  EXPECT_GT(fact_of(results.report, "look", "psnr_db"), before + 3);  // half the error, or less
   job.encode.target = EncodeTarget::field;
   EXPECT_THROW(check_job(job), Error);
 }
@@ -398,15 +398,15 @@ TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
   Job job = squares_for_an_eye();
   job.encode.iterations = 60;
   job.trace.frames = 1;
-  const Boxes boxes = run(job);
-  const double for_eye = fact_of(boxes.report, "look", "psnr_db");
-  ASSERT_EQ(boxes.views_beside.size(), 1u);
-  for (const StageReport& stage : boxes.report.stages)  // that it is outside of the light is its purpose
+  const RunResults results = run(job);
+  const double for_eye = fact_of(results.report, "look", "psnr_db");
+  ASSERT_EQ(results.views_beside.size(), 1u);
+  for (const StageReport& stage : results.report.stages)  // that it is outside of the light is its purpose
     if (stage.stage == "look from beside the eyebox") {
       EXPECT_TRUE(stage.warnings.empty()) << stage.warnings.front();
     }
   const auto light_of = [](const Image& view) { return std::accumulate(view.values.begin(), view.values.end(), 0.0); };
-  EXPECT_LT(light_of(boxes.views_beside[0]), 0.5 * light_of(boxes.views[0]));
+  EXPECT_LT(light_of(results.views_beside[0]), 0.5 * light_of(results.views[0]));
   job.encode.eye = {};
   job.encode.planes = 5;
   EXPECT_GT(for_eye, fact_of(run(job).report, "look", "psnr_db") + 6);  // half of the error in amplitude, or less

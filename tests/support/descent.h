@@ -34,7 +34,7 @@ struct Descent {
                                    .subpixels = n,
                                    .stop = stop_width(params)});
       const SampleGroup group = n == 1 ? SampleGroup::falling : SampleGroup::all;
-      const double part = part_of_light(group) / double(drives.size());
+      const double part = irradiance_factor(group) / double(drives.size());
       std::vector<Field> u(drives.size(), Field({nx * n, ny * n, slm.grid.pitch / n}, target.wavelength));
       std::vector<std::vector<Field>> shown;
       Array2D<float> light(ny, nx);

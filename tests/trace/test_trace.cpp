@@ -149,8 +149,8 @@ TEST(Trace, AdviceOnAnUnseenSceneFitsThePattern) {
   // field_of_view widens the raster; random rays keep to the panel's acceptance.
   EXPECT_EQ(
       warning({.pattern = Pattern::random, .samples = 64, .paths = 1}),
-      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at 532 "
-      "nm; move the scene onto the axis or take a panel of finer pitch");
+      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at "
+      "532 nm; move the scene onto the axis or take a panel of finer pitch");
   EXPECT_EQ(warning({.columns = 8, .rows = 8, .field_of_view = 10_deg, .paths = 1}),
             "none of 64 rays from the panel met a mesh: the raster sees 10° to each side of the axis; move the "
             "scene onto the axis or widen field_of_view");
@@ -166,8 +166,8 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   ASSERT_EQ(unseen.warnings.size(), 1u);
   EXPECT_EQ(
       unseen.warnings[0],
-      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at 532 nm; "
-      "move the scene onto the axis or set field_of_view");
+      "none of 64 rays from the panel met a mesh: a panel of pitch 8 µm sees only 1.905° to each side of the axis at "
+      "532 nm; move the scene onto the axis or set field_of_view");
 
   scene.meshes = {make_wall(-0.3, 50_mm, 50_mm)};
   Record dark;
@@ -198,8 +198,8 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   ASSERT_FALSE(bumpy_glass.warnings.empty());
   EXPECT_EQ(
       bumpy_glass.warnings[0],
-      "the light of point, spot and directional lights that mirrors and glass with a normal map throw on other surfaces "
-      "is left out; use rectangle lights, which paths find by themselves");
+      "caustics of point, spot and directional lights through mirrors or glass with a normal map are left out; use "
+      "rectangle lights, or remove the normal map");
 }
 
 // A point of radiance L is a patch of λd/W by λd/H: its solid angle is λ²/(W·H) at any depth.

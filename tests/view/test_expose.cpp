@@ -91,8 +91,10 @@ TEST(Expose, CropsEvenlyAndSaysSo) {
   EXPECT_EQ(image.ny, 1);
   EXPECT_FLOAT_EQ(image(0, 0), 1);  // mean of 9 over 9 samples: column 1 and row 1 are the first ones kept
   ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_EQ(heard.warnings[0],
-            "the field of 8 × 5 samples does not divide into bins of 3 × 3: only 6 × 3 samples of it are used");
+  EXPECT_EQ(
+      heard.warnings[0],
+      "the field of 8 × 5 samples does not divide into bins of 3 × 3: only 6 × 3 samples of it are used; choose a "
+      "binning that divides both numbers");
 }
 
 TEST(Expose, APixelLiesWhereItsSamplesLie) {

@@ -54,12 +54,12 @@ position = "0.25 0 -30 mm"
 
 constexpr const char* aims_at_render = "[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 5\n";
 
-Boxes run_into(const std::string& folder, const std::string& more) {
+RunResults run_into(const std::string& folder, const std::string& more) {
   const Job job = load_job(make_file("scene.toml", scene + more));
-  Boxes boxes = run(job);
+  RunResults results = run(job);
   std::filesystem::create_directories(folder);
-  save_run(folder, boxes, job, {}, {});
-  return boxes;
+  save_run(folder, results, job, {}, {});
+  return results;
 }
 
 // A run that aims at the scene's light is compared in the report with a render of its own; the folder has the target.
@@ -68,10 +68,10 @@ Boxes run_into(const std::string& folder, const std::string& more) {
 TEST(FolderOfARun, ItsViewsHaveTheQualityOfTheReport) {
   for (const char* more : {"", aims_at_render}) {
     const std::string folder = temporary("out");
-    const Boxes boxes = run_into(folder, more);
+    const RunResults results = run_into(folder, more);
     Session session({folder});
     int views = 0;
-    for (const StageReport& stage : boxes.report.stages) {
+    for (const StageReport& stage : results.report.stages) {
       if (!stage.stage.starts_with("look at ")) continue;
       const std::string distance = stage.stage.substr(std::string("look at ").size());
       const Json metrics = Json::parse(session.metrics(session.state_of({{"distance", distance}})));
@@ -101,15 +101,15 @@ TEST(FolderOfARun, IsSeenAsItsRunSawIt) {
   const Job job = load_job(make_file("scene.toml", text));
   const std::string folder = temporary("out");
   std::filesystem::create_directories(folder);
-  const Boxes boxes = run(job);
-  save_run(folder, boxes, job, {}, {});
+  const RunResults results = run(job);
+  save_run(folder, results, job, {}, {});
   for (const std::string& path : {folder, folder + "/hologram.png"}) {
     Session session({path});
     const ViewState state = session.state_of({});
     EXPECT_EQ(state.camera.distances, std::vector<double>{0.03}) << path;
     EXPECT_EQ(state.camera.pupil, 0.5e-3);
     EXPECT_EQ(state.camera.eye, (Vec3{0.1e-3, 0, 0.015}));
-    EXPECT_EQ(session.view(state)->image.values, boxes.views.front().values);
+    EXPECT_EQ(session.view(state)->image.values, results.views.front().values);
     const Json defaults = Json::parse(session.describe()).at("defaults");
     EXPECT_EQ(defaults.at("distance_m"), 0.03);
     EXPECT_EQ(defaults.at("pupil_m"), 0.5e-3);
@@ -136,8 +136,8 @@ TEST(FolderOfARun, AColourIsComparedWithItsRender) {
   const Job job = load_job(make_file("scene.toml", text));
   const std::string folder = temporary("out");
   std::filesystem::create_directories(folder);
-  Boxes boxes = run(job);
-  save_run(folder, boxes, job, {}, {});
+  RunResults results = run(job);
+  save_run(folder, results, job, {}, {});
   Session session({folder});
   for (const char* item : {"0", "1"}) {
     const auto render = session.reference(session.state_of({{"items", item}, {"distance", "20 mm"}}), {});

@@ -138,7 +138,8 @@ TEST(Session, KeptLightWarnsAgain) {
 TEST(Session, TheSensorWarns) {
   Session session({folder_of({random_hologram(532e-9, 0)})});
   const std::vector<std::string> expected{
-      "the field of 64 × 48 samples does not divide into bins of 5 × 5: only 60 × 45 samples of it are used"};
+      "the field of 64 × 48 samples does not divide into bins of 5 × 5: only 60 × 45 samples of it are used; choose a "
+      "binning that divides both numbers"};
   for (const char* distance : {"20 mm", "21 mm"})
     EXPECT_EQ(session.view(session.state_of({{"distance", distance}, {"binning", "5"}}))->warnings, expected);
 }

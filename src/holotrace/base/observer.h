@@ -19,7 +19,7 @@ struct Observer {
   std::function<void(const std::string& name, const Fact& value)> on_fact;  ///< "method", "waves", …
   std::function<void(const std::string& sentence)> on_warning;              ///< a doubt about the result
   std::function<void(const std::string& name, const std::vector<double>& values)>
-      on_curve{};  ///< values per iteration, from iteration 0
+      on_curve{};  ///< a list of numbers: one per iteration, wavelength, view or eye
   std::function<void(const std::string& text)>
       on_status{};  ///< how far the result is, for a progress bar: "loss -28 dB"
 

@@ -34,10 +34,9 @@ struct DepthImageParams {
 
 template <class Visitor>
 void describe(Visitor&& v, DepthImageParams& p) {
-  v(length(
-      "near", p.near, range::any,
-      "depth of white in the depth image, behind the panel; below 0: in front of it; larger than that of black if black is "
-      "nearer; not for EXR files, whose values are metres"));
+  v(length("near", p.near, range::any,
+           "depth of white in the depth image, behind the panel; below 0: in front of it; larger than that of black if "
+           "black is nearer; not for EXR files, whose values are metres"));
   v(length("far", p.far, range::any, "depth of black in the depth image, behind the panel; below 0: in front of it"));
   v(choice("depth_scale", p.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}},
            "quantity in equal steps of grey between white and black: the depth, or its inverse (disparity), as stereo "
@@ -52,9 +51,9 @@ void describe(Visitor&& v, DepthImageParams& p) {
            "phase of the light: random (scatters everywhere, with speckle) or constant (0: smooth, sent "
            "straight ahead)"));
   v(count("seed", p.seed, range::not_negative, "seed for random phases"));
-  v(flag(
-      "common_cone", p.has_common_cone,
-      "all wavelengths keep to the cone of the shortest, so that the view has no coloured rim; or each has its own"));
+  v(flag("common_cone", p.has_common_cone,
+         "common cone for all wavelengths, that of the shortest; avoids a coloured border of the view; false: each "
+         "wavelength uses its own cone"));
 }
 
 /// Takes as empty (depth 0) what can show no light: pixels whose depth is not finite or 10 km or more, and dark pixels behind all that have

@@ -9,7 +9,8 @@ namespace holotrace {
 /// Channels are 1 (monochrome) or 3 (red, green, blue). [W/m²] on a sensor, [W/m²/sr] from `render`.
 struct Image {
   int nx = 0, ny = 0, channels = 1;
-  double pitch = 0;                   ///< side of a pixel [m]; 0 if unknown
+  double pitch =
+      0;  ///< side of a pixel [m], on the sensor, or of a render beside a view in the plane in focus; 0: unknown
   double centre_x = 0, centre_y = 0;  ///< centre of a sensor [m]
   std::vector<float> values;
 

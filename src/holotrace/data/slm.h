@@ -66,8 +66,9 @@ struct Slm {
   double design_wavelength = 0;            ///< wavelength where level M would show the range [m]; 0: the one in use
   double phase_range = 6.283185307179586;  ///< phase of level M at the design wavelength [rad]
   SlmEffects effects{};
-  std::string preset{};  ///< preset or file that it was read from (io/scene/slm_file.h); "": none
-  std::string source{};  ///< origin of its figures, as a text
+  std::string
+      preset{};  ///< name of the preset, or path of the panel or scene file, that it was read from; "": made in memory
+  std::string source{};  ///< citation: where its figures come from, as a text
   /// Effects that its own file or table states, in the place of those of a preset: the ones in use where none are named.
   std::vector<std::string> own_effects{};
 

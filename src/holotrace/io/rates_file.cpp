@@ -67,7 +67,7 @@ Rates keep_rates(const std::string& name, const Terms& terms, const std::string&
     if (const std::optional<Rates> kept = rates_of<Rates>(read_machines(path), key, terms)) return *kept;
     LockFile lock(path + ".lock");
     if (!lock.lock()) {
-      warn(locked_message(path, "methods are chosen by the default rates"));
+      warn(locked_message(path, "methods are chosen by default rates, not by rates of this machine"));
       return {};
     }
     Json machines = read_machines(path);

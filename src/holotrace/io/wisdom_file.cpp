@@ -33,7 +33,7 @@ void keep_fft_wisdom(const std::function<void(const std::string&)>& warn) {
   FftWisdomStore store;
   store.open = [path, lock, kept, warn]() -> std::optional<std::string> {
     if (!lock->lock()) {
-      warn(locked_message(path, "plans of transforms are estimated"));
+      warn(locked_message(path, "FFTW plans are estimated, so transforms may be slower"));
       return std::nullopt;
     }
     *kept = read_wisdom(path);

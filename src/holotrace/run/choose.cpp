@@ -82,7 +82,7 @@ std::vector<std::string> parameters_of_waves(const Job& job) {
 // What asks for waves, as half a sentence; empty if nothing does.
 std::string reason_for_waves(const Job& job) {
   const std::vector<std::string> names = parameters_of_waves(job);
-  if (!names.empty()) return fmt::format("{} is for waves", fmt::join(names, ", "));
+  if (!names.empty()) return fmt::format("{}: given, but only waves use it", fmt::join(names, ", "));
   if (std::any_of(job.scene.lights.begin(), job.scene.lights.end(), is_laser)) return "the light of lasers interferes";
   const std::vector<double>& distances = job.camera.distances;
   if (std::find(distances.begin(), distances.end(), 0.0) != distances.end())
@@ -118,7 +118,7 @@ class Chooser {
   Job choose() && {
     if (!job_.are_distances_given && goal_ == Goal::picture) choose_distances();
     if (goal_ == Goal::waves)
-      choose_waves("the command makes waves");
+      choose_waves("the command needs waves");
     else
       choose_method();
     choose_effort();
@@ -171,10 +171,10 @@ class Chooser {
       const std::vector<std::string> unused = parameters_of_waves(job_);
       if (!unused.empty())
         job_.warnings.push_back(fmt::format(
-            "{} is for waves and not used: the holograms aim at the path-traced light; leave out quality and target for "
-            "waves",
+            "{}: not used, because the holograms aim at the path-traced light and sum no waves; to use it, leave out "
+            "quality, target and eye",
             fmt::join(unused, ", ")));
-      set_method(Encoding::sgd, is_asked ? "quality, target or eye ask for it" : "nothing asks for waves");
+      set_method(Encoding::sgd, is_asked ? "quality, target or eye is given" : "no parameter of waves is given");
     }
     if (encode.target != EncodeTarget::automatic) return;
     const Vec3& eye = job_.camera.eye;

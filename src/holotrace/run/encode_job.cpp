@@ -83,12 +83,12 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
 
 EncodeJob job_of_scene(const Job& job, const SceneTargets& targets) {
   EncodeJob made{.wavelengths = {}, .targets = {}, .fields = {}};
-  std::vector<std::vector<double>> sets;
-  for (const double wavelength : job.wavelengths) sets.push_back({wavelength});
-  if (job.encode.is_joint) sets = {job.wavelengths};
-  for (const std::vector<double>& set : sets) {
-    made.wavelengths.push_back(set.front());
-    made.targets.push_back(targets_of(targets, job, set));
+  std::vector<std::vector<double>> groups;
+  for (const double wavelength : job.wavelengths) groups.push_back({wavelength});
+  if (job.encode.is_joint) groups = {job.wavelengths};
+  for (const std::vector<double>& group : groups) {
+    made.wavelengths.push_back(group.front());
+    made.targets.push_back(targets_of(targets, job, group));
   }
   if (aims_at_eyes(job))
     made.after_entry = [&job](const std::vector<Hologram>& frames, const Observer& o) {

@@ -36,8 +36,8 @@ void report_lit_render(const Image& render, const Observer& observer) {
   observer.fact("psnr_of_black_db", of_black);
   if (lit < least_lit_fraction)
     observer.warn(fmt::format(
-        "only {} of the render is lit, less than {}; PSNR and SSIM say little about this view: a black one has {:.1f} dB; "
-        "look at the picture instead, or make the scene larger, bring it into the window, or light it",
+        "only {} of the render is lit, less than {}, so PSNR and SSIM say little: a black view would have {:.1f} dB; "
+        "judge the view by eye, or make the scene larger, light it, or move it into the window",
         percent(lit), percent(least_lit_fraction), of_black));
 }
 

@@ -79,7 +79,7 @@ void report_place(const ViewPlace& place, const Observer& observer) {
   observer.curve(place_wavelengths, place.wavelengths);
 }
 
-std::vector<double> wavelengths_of(const SceneLight& light) {
+std::vector<double> wavelength_of_each_set(const SceneLight& light) {
   std::vector<double> wavelengths;
   for (size_t set = 0; set < light.sets(); ++set) wavelengths.push_back(light.wavelength(set));
   return wavelengths;
@@ -98,20 +98,22 @@ SceneLight trace_waves(const Job& job, const Observer& o) {
 }
 
 // The holograms of a run, and how they are seen.
-class Showing {
+class ShownHolograms {
  public:
-  Showing(const Job& job, const std::vector<double>& wavelengths, Boxes& boxes, const StageObserver& watch)
-      : repeat(int64_t(wavelengths.size()) * job.trace.frames, most_states(job, boxes.viewpoints),
-               repeated_calls(job, wavelengths, boxes.viewpoints), boxes.report, watch),
-        sums(boxes.viewpoints.size(), CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths)),
-        viewing_{job.slm, job.show, job.propagate, boxes.viewpoints},
+  ShownHolograms(const Job& job, const std::vector<double>& wavelengths, RunResults& results,
+                 const StageObserver& watch)
+      : repeat(int64_t(wavelengths.size()) * job.trace.frames, most_states(job, results.viewpoints),
+               repeated_calls(job, wavelengths, results.viewpoints), results.report, watch),
+        sums(results.viewpoints.size(),
+             CombinedViews(job.show.wavelength > 0 ? std::vector<double>{} : job.wavelengths)),
+        viewing_{job.slm, job.show, job.propagate, results.viewpoints},
         conditions_(viewing_conditions(job.camera)),
-        boxes_(boxes) {}
+        results_(results) {}
 
   void add(Hologram hologram) {
     hologram.viewing = conditions_;
-    boxes_.holograms.push_back(std::move(hologram));
-    const double power = view_hologram(boxes_.holograms.back(), viewing_, repeat, sums);
+    results_.holograms.push_back(std::move(hologram));
+    const double power = view_hologram(results_.holograms.back(), viewing_, repeat, sums);
     if (power_on_panel == 0) power_on_panel = power;
   }
 
@@ -122,7 +124,7 @@ class Showing {
  private:
   Viewing viewing_;
   ViewingConditions conditions_;
-  Boxes& boxes_;
+  RunResults& results_;
 };
 
 // Fields that stay on the device that sums them, if the encoder may take them there. Those of the first frame are results,
@@ -139,7 +141,7 @@ std::vector<PlacedField> fields_to_encode(const SceneLight& light, uint32_t fram
 
 // One hologram for each frame and set, from the field of its waves. All fields of a frame are encoded, and leave their
 // device, before the first hologram is shown, which needs that memory.
-void show_fields(const Job& job, const SceneLight& light, Boxes& b, Showing& showing) {
+void show_fields(const Job& job, const SceneLight& light, RunResults& b, ShownHolograms& showing) {
   const EncodeParams encoding = encoding_of(job);
   for (int frame = 0; frame < job.trace.frames; ++frame) {
     std::vector<PlacedField> fields = showing.repeat(
@@ -232,9 +234,9 @@ std::vector<Sources> points_to_focus(const Job& job) {
 
 }  // namespace
 
-Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links) {
+RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links) {
   const Job job = choose_missing(given);
-  Boxes b;
+  RunResults b;
   b.report.seed = job.trace.seed;
   b.report.chosen = job.chosen;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
@@ -260,7 +262,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
   }
   b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
   if (!targets) light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
-  const std::vector<double> wavelengths = targets ? job.wavelengths : wavelengths_of(light);
+  const std::vector<double> wavelengths = targets ? job.wavelengths : wavelength_of_each_set(light);
   require(!wavelengths.empty(), "expected at least one source, got none; is the scene lit and in view?");
   check_memory(job, wavelengths.size());
 
@@ -272,7 +274,7 @@ Boxes run(const Job& given, const StageObserver& watch, const CheckpointOf& chec
     encoding.links = links;
     frames = encode_job(encoding, job.trace.frames, job.slm, job.encode, b.report, watch);
   }
-  Showing showing(job, wavelengths, b, watch);
+  ShownHolograms showing(job, wavelengths, b, watch);
   if (aims)
     for (Hologram& frame : frames) showing.add(std::move(frame));
   else

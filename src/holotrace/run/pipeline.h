@@ -24,7 +24,7 @@ namespace holotrace {
 ///
 /// A **set** is the light of one path group or lamp at one wavelength. A run shows frames × sets holograms, one after
 /// the other.
-struct Boxes {
+struct RunResults {
   /// Path-traced references in red, green and blue: one from the panel's centre or, with a lens or another eye, one per
   /// camera distance, focused there.
   std::vector<Image> renders;
@@ -48,8 +48,7 @@ struct Boxes {
   Report report;
 };
 
-/// The checkpoint of the i-th set of frames that are found together: one set for each wavelength, or one for
-/// all of them (`joint`).
+/// The checkpoint of the i-th entry of an EncodeJob: one for each wavelength, or one for all of them (`joint`).
 using CheckpointOf = std::function<Checkpoint(size_t i)>;
 
 /// The whole pipeline, stage by stage. Each frame m of job.trace.frames gives the waves of every set independent phases
@@ -68,10 +67,10 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// The states of those optimisations are kept by `checkpoint_of`; a run that goes on traces the focal stack again.
 ///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
-/// all, the facts of the first (waves and waves_pixels are summed), and each warning once.
+/// all, the facts as merge_fact adds them up (base/merged_facts.h), the curves of the first, and each warning once.
 /// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
-Boxes run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
-          ProcessLinks* links = nullptr);
+RunResults run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
+               ProcessLinks* links = nullptr);
 
 }  // namespace holotrace

@@ -31,7 +31,7 @@ namespace holotrace {
 
 namespace {
 
-// The waves of single rays and points, before they are joined to sets (trace.cpp).
+// The waves of single rays and points, before `join` makes sets of them.
 
 /// Data shared by all rays of a tracing.
 struct Tracing {

@@ -97,7 +97,7 @@ struct HologramLight {
 ///
 /// with w the lit part of a pixel's side on that axis. The integral is over the part of the panel's side where |u| is
 /// below 1/2p, or below the half width of the encoder's stop (centred at u₀), and from which light reaches the camera's
-/// pupil. Waves that keep to the cone of another wavelength (Sources::cone_wavelength; 0: their own) end at
+/// pupil. Waves that keep to the cone of another wavelength (Label::cone_wavelength; 0: their own) end at
 /// 1/2p·cone_wavelength/λ. Without a loss by the cone the integral ends at the panel's side; without a loss by the pixels
 /// the factor sinc² is 1. The result is in [0, 1]; it is 1 at a distance of 0 m, where it has no meaning.
 double axial_reach(const Slm& slm, const HologramLight& light, double distance, const CameraParams& camera);

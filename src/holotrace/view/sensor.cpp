@@ -61,7 +61,8 @@ Grid pixels_of(const Grid& samples, int n, const Observer& observer) {
   const int spare_x = samples.nx % n, spare_y = samples.ny % n;
   if (spare_x || spare_y)
     observer.warn(fmt::format(
-        "the field of {} × {} samples does not divide into bins of {} × {}: only {} × {} samples of it are used",
+        "the field of {} × {} samples does not divide into bins of {} × {}: only {} × {} samples of it are used; "
+        "choose a binning that divides both numbers",
         samples.nx, samples.ny, n, n, samples.nx - spare_x, samples.ny - spare_y));
   return {samples.nx / n, samples.ny / n, n * samples.pitch, samples.centre_x - (spare_x % 2) * samples.pitch / 2,
           samples.centre_y + (spare_y % 2) * samples.pitch / 2};

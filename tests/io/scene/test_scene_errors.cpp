@@ -77,8 +77,7 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
             "5:1: unknown key \"segmnts\"; did you mean \"segments\"?");
   EXPECT_EQ(error_with("[scene]\n"),
             "2:2: unknown key \"scene\"; known: background, camera, encode, environment, light, materials, object, "
-            "propagate, "
-            "render, shape, show, slm, synthesize, trace, wavelength");
+            "propagate, render, shape, show, slm, synthesize, trace, wavelength");
 }
 
 TEST(SceneFileErrors, UnknownNamesAreRefused) {
@@ -167,10 +166,9 @@ TEST(SceneFileErrors, ImpossibleParametersAreRefused) {
 
 TEST(SceneFileErrors, ObjectsInThePlaneOfThePanelAreNamed) {
   const std::string quad = "[[object]]\ntype = \"quad\"\nwidth = \"1 mm\"\nheight = \"1 mm\"\n";
-  EXPECT_EQ(
-      error_with(quad),
-      "2:1: expected the object behind the panel (z < 0) or in front of it (z > 0), but it lies in its plane, z = 0; move "
-      "it with \"position\"");
+  EXPECT_EQ(error_with(quad),
+            "2:1: expected the object behind the panel (z < 0) or in front of it (z > 0), got one in the plane of the "
+            "panel, z = 0; set its \"position\", such as \"0 0 -300 mm\"");
   EXPECT_EQ(error_with(quad + "position = \"0 0 5 mm\"\n"), "no error");
 }
 

@@ -367,8 +367,8 @@ TEST(EncodeChecks, SaysWhatIsWrong) {
   // asin(λ/2p) = 1.905° at 532 nm and 8 µm (closed_forms.md 1); 0.05 rad is 2.865°.
   EXPECT_EQ(
       error(good, slm, {.method = Encoding::off_axis, .reference_angle_x = 0.05}),
-      "expected an off-axis reference below 1.905°, the steepest that pixels of 8 µm hold at 532 nm, got 2.865° in "
-      "x, 0° in y");
+      "expected an off-axis reference at an angle below 1.905°, the largest that pixels of 8 µm can represent at 532 "
+      "nm, got 2.865° in x, 0° in y; use smaller reference angles");
 }
 
 }  // namespace

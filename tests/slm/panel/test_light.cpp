@@ -125,7 +125,7 @@ TEST(Light, SaysWhatSamplesCannotHold) {
   const Slm slm = make_panel(64, 64);
   const auto error = [&](const ShowParams& params) { return error_of([&] { show(flat(slm), slm, params); }); };
   EXPECT_EQ(error({.tilt_x = 0.05}),
-            "expected light that meets the panel below 1.905°, the steepest that samples of 8 µm hold at 532 nm, "
+            "expected illumination at an angle below 1.905°, the largest that samples of 8 µm can represent at 532 nm, "
             "got 2.865°; use more subpixels, or less tilt or curvature");
   EXPECT_EQ(error({.subpixels = 2, .tilt_x = 0.05}), "no error");
   EXPECT_EQ(error({.light = Wavefront::spherical}),

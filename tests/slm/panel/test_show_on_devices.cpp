@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/slm/panel/banded_panel.h"
-#include "holotrace/slm/panel/leave_on_device.h"
+#include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/show.h"
 #include "support/build_paths.h"
 #include "support/fields.h"
@@ -149,19 +149,19 @@ TEST_P(ShowDevices, LetTheFieldStayIfItFits) {
   Array2D<float> drive(one_.slm.grid.ny, one_.slm.grid.nx);
   for (float& level : drive.values) level = float(199 * random.uniform());
   const DeviceChoice choice{DeviceKind::opencl, GetParam()};
-  const Field expected = *leave_on_device(panel, {drive}, choice);
+  const Field expected = *panel_field_by_device(panel, {drive}, choice);
   const double bytes = double(expected.samples.size()) * 8;
   const auto left_with = [&](double memory) {
     device_.limit_memory((double(device_.use().bytes_held) + memory) / 0.8);
-    return *leave_to_device(panel, {drive}, choice);
+    return *panel_field_on_device(panel, {drive}, choice);
   };
   for (const double memory : {1e8, 2.2 * bytes}) {
-    const LeftField stays = left_with(memory);
+    const PanelField stays = left_with(memory);
     ASSERT_TRUE(std::holds_alternative<DeviceField>(stays.field)) << memory;
     EXPECT_EQ(fetch(std::get<DeviceField>(stays.field)).samples.values, expected.samples.values) << memory;
     EXPECT_NEAR(stays.power, power(expected), 1e-6 * power(expected));
   }
-  const LeftField returns = left_with(1.8 * bytes);
+  const PanelField returns = left_with(1.8 * bytes);
   ASSERT_TRUE(std::holds_alternative<Field>(returns.field));
   EXPECT_EQ(std::get<Field>(returns.field).samples.values, expected.samples.values);
   EXPECT_NEAR(returns.power, power(expected), 1e-6 * power(expected));
@@ -204,7 +204,7 @@ TEST_P(ShowDevices, RefuseAPatternOfAnotherSize) {
   make_device_fast(1e15);
   for (const DeviceChoice& choice : {DeviceChoice{DeviceKind::opencl, GetParam()}, {DeviceKind::automatic}}) {
     Heard heard;
-    EXPECT_EQ(error_of([&] { leave_on_device(panel, {Array2D<float>(2, 3)}, choice, heard.observer()); }),
+    EXPECT_EQ(error_of([&] { panel_field_by_device(panel, {Array2D<float>(2, 3)}, choice, heard.observer()); }),
               "expected a drive of 48 × 37 pixels, as the SLM \"test\" has, got 3 × 2");
     EXPECT_TRUE(heard.warnings.empty());
   }

@@ -219,7 +219,7 @@ TEST(RegisterImage, NamesTheDarkGroundOfABrightPicture) {
       moving(j, i) = float(page(c * x + s * y, c * y - s * x));
     }
   const std::string error = error_of([&] { register_image(moving, fixed); });
-  EXPECT_NE(error.find("its dark ground has an edge to the picture, which the simulation lacks: crop the photograph"),
+  EXPECT_NE(error.find("the photograph has a dark border that the simulation does not have: crop the photograph"),
             std::string::npos)
       << error;
 }

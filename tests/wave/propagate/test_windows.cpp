@@ -294,7 +294,7 @@ TEST(PropagateToWindow, RefusesWhatItCannotHold) {
   expect_error(grid, 0.01_m, {automatic, -1, 64}, "expected a whole number of 0 or more for \"columns\", got -1");
   // Light of 16 µm fringes moves 0.33 mm sideways in 10 mm: a window 5 mm off the axis gets none.
   expect_error(grid, 0.01_m, {automatic, 64, 64, 0, 5_mm, 0}, "expected an output window that light from the input");
-  expect_error(grid, 0.01_m, {automatic, 64, 64, 3_um, 0, -5_mm}, "middle lies 5 mm off the input's in y");
+  expect_error(grid, 0.01_m, {automatic, 64, 64, 3_um, 0, -5_mm}, "centre is 5 mm from the input's centre in y");
   expect_error(grid, 0.01_m, {automatic, 2000000000, 2000000000, 1_um}, "to fit in memory");
   PropagateParams periodic{automatic, 0, 0, 0};
   periodic.is_periodic = true;

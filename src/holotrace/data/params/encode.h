@@ -188,8 +188,10 @@ void describe(Visitor&& v, EncodeParams& p) {
       "method", p.method, encoding_names,
       "what a pixel's level represents: the phase; the modulus (amplitude); the interference with a tilted reference "
       "(off-axis); both phase and modulus (complex); two phases on alternate pixels (double-phase); the phase with "
-      "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels (binary); "
-      "auto: for scenes sgd, or phase if a parameter of waves is given; for fields phase; for focal stacks sgd"));
+      "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels "
+      "(binary); auto: for scenes sgd, or, if a parameter of waves is given, phase (off-axis on amplitude panels, "
+      "complex on "
+      "complex panels); for fields phase; for focal stacks sgd"));
   v(choice(
       "image", p.image, image_side_names,
       "field that is shown: U (virtual: the scene is behind the panel) or conj(U) (real: it focuses in front of it)"));
@@ -210,29 +212,28 @@ void describe(Visitor&& v, EncodeParams& p) {
       "stop", p.stop, range::fraction,
       "half width of the camera's stop as a fraction of 1/2p, for double-phase, error-diffusion and iterations; 1: "
       "no stop; 0: 0.4 for double-phase and error-diffusion, else 1"));
-  v(choice("target", p.target, target_names,
-           "sgd, scenes: light that the holograms show; the modulus of the field of all waves (field); the path-traced "
-           "light in planes through the scene (render); that light and the views through pupils (light-field); auto: "
-           "light-field for a camera with a pupil in front of the panel, else render"));
   v(choice(
-      "denoise", p.denoise, denoise_names,
-      "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: where their noise "
-      "is visible (auto); none; or all"));
+      "target", p.target, target_names,
+      "sgd, scenes: light that the holograms show: the modulus of the field of all waves (field); the path-traced "
+      "light in planes through the scene (render); or that light and the views through pupils anywhere in front of "
+      "the panel (light-field); auto: field if a parameter of waves is given, else render"));
+  v(choice("denoise", p.denoise, denoise_names,
+           "targets render, light-field: denoising of the targets by Open Image Denoise 2, if it is installed: where "
+           "their noise is visible (auto); none; or all"));
   v(choice(
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
-      "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 40, 32; good: 8, 16, 100, 128; best: 16, 24, 300, 256; "
-      "auto: draft; with draft, good or best the method is sgd"));
+      "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 40, 32; good: 8, 16, 100, 128; best: 16, 24, "
+      "300, 256; auto: draft; with draft, good or best the method is sgd"));
   v(lengths("target_distances", p.target_distances, range::any,
             "iterations: distances of the target planes from the panel"));
   v(lengths("eye", p.eye, range::any,
             "sgd, scenes: position x y z of the eye that the light is for, in front of the panel (z above 0 m); three "
             "lengths for each of several eyes; empty: light for the whole space before the panel"));
   v(length("pupil", p.pupil, range::not_negative, "diameter of the eye's pupil; 0 m: the camera's, or 3 mm"));
-  v(texts(
-      "eyebox", p.eyebox,
-      "places of the pupil's middle around the eye that see the scene: diameter (\"2 mm\"), width and height (\"6 2 "
-      "mm\"), or \"all\" places before the panel; empty: 2 mm"));
+  v(texts("eyebox", p.eyebox,
+          "eyebox: area around the eye in which the centre of the pupil may be: a diameter (\"2 mm\"), a width and a "
+          "height (\"6 2 mm\"), or \"all\" (anywhere in front of the panel); empty: 2 mm"));
   v(count("planes", p.planes, range::not_negative,
           "targets render, light-field: largest number of planes through the scene, if target_distances gives none; 0: "
           "16, or as quality says"));
@@ -241,14 +242,17 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(count("target_rows", p.target_rows, range::not_negative,
           "iterations, pictures: height in pixels of that part; 0: the panel's"));
   v(flag("resample", p.resample,
-         "scale a target picture of another size into target_columns x target_rows, in its own shape"));
+         "scaling of a target picture of another size to fit target_columns x target_rows, with its aspect ratio kept; "
+         "false: such a picture is an error"));
   v(flag("joint", p.is_joint, "sgd: one hologram for all wavelengths; false: one for each"));
-  v(count("iterations", p.iterations, range::not_negative,
-          fmt::format("number of iterations; 0: {} for gerchberg-saxton, {} for sgd, {} for the field of a picture",
-                      gerchberg_saxton_iterations, sgd_iterations, target_field_iterations)));
+  v(count(
+      "iterations", p.iterations, range::not_negative,
+      fmt::format("number of iterations; 0: {} for gerchberg-saxton; {} for sgd, but as quality says for scenes with "
+                  "the target render or light-field; {} for the field of a target picture",
+                  gerchberg_saxton_iterations, sgd_iterations, target_field_iterations)));
   v(number("least_gain", p.least_gain, range::not_negative,
-           "sgd: fall of the loss in dB, between the means of two windows of 10 updates or more, below which the "
-           "iterations end early; 0: never"));
+           "sgd: stopping criterion in dB: the iterations end early if the mean loss falls by less than this from one "
+           "window of updates to the next; a window has 10 updates or more; 0: no early end"));
   v(number(
       "step", p.step, range::not_negative,
       fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes",
@@ -260,9 +264,9 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(choice("start", p.start, {{"field", StartPhase::field}, {"random", StartPhase::random}},
            "start phase of iterations and phase of target pictures: the field's own (0 for a picture), or random"));
   v(count("seed", p.seed, range::not_negative, "seed for random start phases"));
-  v(devices(
-      "device", p.device,
-      "computes the hologram (error-diffusion: the processor only; opencl:all: for sgd only, whose frames the devices share)"));
+  v(devices("device", p.device,
+            "computes the hologram (error-diffusion: the processor only; opencl:all: for sgd only, whose frames the "
+            "devices share)"));
   v(texts(
       "effects", p.effects,
       "panel effects that the encoding compensates: calibration, aberration, phase-map, light-map; with sgd also "

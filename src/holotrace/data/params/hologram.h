@@ -18,15 +18,18 @@ struct HologramParams {
 
 template <class Visitor>
 void describe(Visitor&& v, HologramParams& p) {
-  v(choice("image", p.image, image_side_names,
-           "side of the panel with the picture: behind it (virtual) or in front of it (real), at positive distances"));
+  v(choice(
+      "image", p.image, image_side_names,
+      "side of the panel on which the image is: behind it (virtual) or in front of it (real); positive distances are "
+      "on that side"));
   v(choice("modulation", p.modulation, {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}},
            "meaning of the greys of a file without metadata"));
   v(count("levels", p.levels, range::or_value(0, range::from_to(2, 65536)),
           "number of levels of a file without metadata; 0: all greys of its bits"));
   v(length("pitch", p.pitch, range::not_negative, "pixel pitch; 0 m: the hologram's, or the panel's"));
   v(angle("range", p.range, range::not_negative,
-          "phase range of the panel, 360 deg if its levels make a whole turn; 0 deg: the panel's own"));
+          "phase range of the panel: phase that all levels together span, 360 deg for a full cycle; 0 deg: the panel's "
+          "own value"));
   v(length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known"));
 }
 

@@ -21,9 +21,10 @@ enum class TrianglePhase { random, constant };
 struct SynthesizeParams {
   SynthesisMethod method = SynthesisMethod::automatic;  ///< how the field is computed
   double tolerance = 1e-3;                              ///< relative L2 error allowed against exact, in (0, 1)
-  int slices = 0;                     ///< layers: number of slices of depth; 0: as many as the tolerance needs
-  bool has_silhouettes = false;       ///< layers: each slice hides what lies behind it
-  Shading shading = Shading::smooth;  ///< amplitude over a triangle
+  int slices =
+      0;  ///< layers: number of slices of depth; 0: as many as the tolerance needs, or for a picture with depths the panel's depth of focus
+  bool has_silhouettes = false;                          ///< layers: each slice hides what lies behind it
+  Shading shading = Shading::smooth;                     ///< amplitude over a triangle
   TrianglePhase triangle_phase = TrianglePhase::random;  ///< phase of the triangles' light
   DeviceChoice device{};                                 ///< device that sums the waves
 };
@@ -44,7 +45,8 @@ void describe(Visitor&& v, SynthesizeParams& p) {
   v(number("tolerance", p.tolerance, range::between(0, 1),
            "largest relative L2 error of the field against the method exact"));
   v(count("slices", p.slices, range::not_negative,
-          "layers: number of slices of depth; 0: as many as the tolerance needs"));
+          "layers: number of slices of depth; 0: as many as the tolerance needs, or for a picture with depths the "
+          "panel's depth of focus"));
   v(flag("silhouettes", p.has_silhouettes, "layers: each slice hides what lies behind it"));
   v(choice("shading", p.shading, {{"flat", Shading::flat}, {"smooth", Shading::smooth}},
            "triangles: amplitude over a triangle: uniform (flat), or interpolated between its corners (smooth)"));

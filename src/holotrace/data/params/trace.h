@@ -59,7 +59,7 @@ struct TraceParams {
   std::vector<std::string> path_expressions{};  ///< light path expressions; none: all light, "E.*L"
   bool separate_path_groups = false;            ///< one hologram per path expression
   bool separate_lights = false;                 ///< one hologram per light: lights do not interfere
-  int frames = 0;  ///< M, holograms with independent phases, shown one after the other; 0: chosen, 1 for waves
+  int frames = 0;  ///< M, holograms shown one after the other, of waves with independent phases; 0: chosen, 1 for waves
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
   int64_t seed = 1;                                 ///< seed for all random numbers
 };
@@ -90,9 +90,9 @@ void describe(Visitor&& v, TraceParams& p) {
       "field_of_view", p.field_of_view, range::half_angle,
       "half angle of the raster; 0 deg: the window of the views if columns and rows are 0, else the panel's acceptance "
       "asin(lambda/2p)"));
-  v(flag(
-      "common_cone", p.has_common_cone,
-      "limit all wavelengths to the cone of the shortest, which avoids a coloured rim; false: each uses its own cone"));
+  v(flag("common_cone", p.has_common_cone,
+         "common cone for all wavelengths, that of the shortest; avoids a coloured border of the view; false: each "
+         "wavelength uses its own cone"));
   v(count("paths", p.paths, range::at_least(1), "light paths per first hit"));
   v(count("max_depth", p.max_depth, range::at_least(1), "largest number of surfaces on a light path"));
   v(count(
@@ -104,19 +104,21 @@ void describe(Visitor&& v, TraceParams& p) {
       "surfaces of a path that send shadow rays to the lights: each, or only the last (the same mean, more noise)"));
   v(number("clamp", p.clamp, range::not_negative,
            "upper limit of the radiance of one path in W/m2/sr; less noise, but some light is lost; 0: no limit"));
-  v(choice("phase", p.phase,
-           {{"random", SourcePhase::random},
-            {"constant", SourcePhase::constant},
-            {"surface", SourcePhase::surface},
-            {"path", SourcePhase::path},
-            {"laser", SourcePhase::laser}},
-           "phase of the waves. random; constant: 0; surface: random, but fixed to the surface; path: surface "
-           "phase + optical path through mirrors and glass; laser: path + optical path from the laser"));
+  v(choice(
+      "phase", p.phase,
+      {{"random", SourcePhase::random},
+       {"constant", SourcePhase::constant},
+       {"surface", SourcePhase::surface},
+       {"path", SourcePhase::path},
+       {"laser", SourcePhase::laser}},
+      "phase of the waves: random for each wave (random); 0 (constant); random for each cell of a surface (surface); "
+      "the surface phase plus k times the optical path through mirrors and glass (path); the path phase plus k times "
+      "the optical path from the laser (laser)"));
   v(length("grain", p.grain, range::not_negative,
            "side of the surface cells that share one phase; 0 m: the pixel pitch"));
-  v(flag(
-      "one_wave_per_cell", p.one_wave_per_cell,
-      "one wave for all first hits in a cell of equal phase, so that brightness follows radiance; false: one for each hit"));
+  v(flag("one_wave_per_cell", p.one_wave_per_cell,
+         "one wave for all first hits in a cell of equal phase, so that brightness follows radiance; false: one for "
+         "each hit"));
   v(choice(
       "amplitude", p.amplitude, {{"sqrt", AmplitudeLaw::sqrt}, {"linear", AmplitudeLaw::linear}},
       "amplitude of a wave of radiance L: sqrt(L), so that brightness follows radiance, or L (the paper's Step 5)"));

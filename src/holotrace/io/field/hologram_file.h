@@ -17,9 +17,9 @@ struct SeriesPart {
 };
 
 /// Writes the levels of a hologram as a PNG of linear grey values, not sRGB-coded. It holds, as the text "holotrace", a
-/// JSON object {kind, pitch_m, wavelength_m, levels, modulation, image, encoder, illumination_w_per_m2, name, frame,
-/// effects, slm, filter, viewing, modulus, part, parts, files}; if that is too long for a PNG, it is beside it, in
-/// NAME.png.json. For M levels:
+/// JSON object with the keys of Hologram in data/members.h, and with kind, modulus, part, parts and files
+/// (docs/reference/file_formats.md describes each). If that is too long for a PNG, it is beside it, in NAME.png.json. For M
+/// levels:
 ///
 ///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
 ///     amplitude:  grey = round(ℓ·255/(M−1))  in 8 bits (M ≤ 256), or round(ℓ·65535/(M−1)) in 16 bits

@@ -35,8 +35,9 @@ std::optional<std::string> writable_cache_folder() {
 }
 
 std::string locked_message(const std::string& path, const std::string& consequence) {
-  return fmt::format("the cache {} is locked by another program, which may be stopped; it is not used: {}", path,
-                     consequence);
+  return fmt::format(
+      "the cache {} has been locked by another program for 3 s and is not used: {}; end that program if it is stopped",
+      path, consequence);
 }
 
 LockFile::LockFile(const std::string& path)

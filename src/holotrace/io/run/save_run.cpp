@@ -23,29 +23,29 @@ void save_numbered(const OutputSet& set, const std::string& name, const std::vec
   for (size_t i = 0; i < items.size(); ++i) save(set.path(numbered_path(name, i)), items[i]);
 }
 
-void save_boxes(const OutputSet& set, const Boxes& boxes, const Job& job, const StageObserver& watch) {
-  save_numbered(set, run_render, boxes.renders,
-                [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
-  save_numbered(set, run_radiance, boxes.radiances.empty() ? boxes.renders : boxes.radiances,
-                [&](const std::string& path, const Image& image) { save_image(path, image, boxes.render_white, 8); });
+void save_results(const OutputSet& set, const RunResults& results, const Job& job, const StageObserver& watch) {
+  save_numbered(set, run_render, results.renders,
+                [&](const std::string& path, const Image& image) { save_image(path, image, results.render_white, 8); });
+  save_numbered(set, run_radiance, results.radiances.empty() ? results.renders : results.radiances,
+                [&](const std::string& path, const Image& image) { save_image(path, image, results.render_white, 8); });
   const auto save_set = [](const std::string& path, const Sources& sources) { save_sources(path, sources); };
-  save_numbered(set, "sources.ply", boxes.sources, save_set);
-  save_numbered(set, run_points, boxes.points, save_set);
-  save_numbered(set, "field.npy", boxes.fields, save_fields<float>);
-  save_holograms(set, run_hologram, boxes.holograms);
+  save_numbered(set, "sources.ply", results.sources, save_set);
+  save_numbered(set, run_points, results.points, save_set);
+  save_numbered(set, "field.npy", results.fields, save_fields<float>);
+  save_holograms(set, run_hologram, results.holograms);
   const ViewSeries none;  // the stereo pair has another name
-  save_views(set, run_view, {boxes.viewpoints, {boxes.views, boxes.white}, boxes.sweep, none, job.camera},
-             boxes.sweep.images.empty() || !watch ? Observer() : watch("save the sweep"));
-  save_numbered(set, "view_beside.png", boxes.views_beside, [&](const std::string& path, const Image& image) {
-    save_image(path, image, boxes.white, job.camera.bits);
+  save_views(set, run_view, {results.viewpoints, {results.views, results.white}, results.sweep, none, job.camera},
+             results.sweep.images.empty() || !watch ? Observer() : watch("save the sweep"));
+  save_numbered(set, "view_beside.png", results.views_beside, [&](const std::string& path, const Image& image) {
+    save_image(path, image, results.white, job.camera.bits);
   });
-  if (!boxes.stereo_renders.empty()) {
-    save_stereo(set, "stereo.png", boxes.stereo_renders, common_white(boxes.stereo_renders, 0), 8);
-    save_stereo(set, "holo.png", boxes.stereo_views.images, boxes.stereo_views.white, job.camera.bits);
+  if (!results.stereo_renders.empty()) {
+    save_stereo(set, "stereo.png", results.stereo_renders, common_white(results.stereo_renders, 0), 8);
+    save_stereo(set, "holo.png", results.stereo_views.images, results.stereo_views.white, job.camera.bits);
   }
   Observer chart;
   if (watch) chart.on_warning = [&](const std::string& sentence) { watch("chart").warn(sentence); };
-  if (has_convergence(boxes.report)) try_save_chart(set, "convergence.png", convergence_chart(boxes.report), chart);
+  if (has_convergence(results.report)) try_save_chart(set, "convergence.png", convergence_chart(results.report), chart);
 }
 
 }  // namespace
@@ -60,16 +60,16 @@ std::vector<std::string> run_paths(const std::string& folder) {
   return paths;
 }
 
-SavedRun save_run(const std::string& folder, const Boxes& boxes, const Job& job, const StageObserver& watch,
+SavedRun save_run(const std::string& folder, const RunResults& results, const Job& job, const StageObserver& watch,
                   const std::function<std::shared_ptr<void>()>& before_naming) {
   const std::string report = (std::filesystem::path(folder) / "report.json").string();
   const FileRecord earlier = report_record(report);
   SavedRun saved;
   std::shared_ptr<void> naming;
   const auto write = [&](const OutputSet& set) {
-    save_boxes(set, boxes, job, watch);
+    save_results(set, results, job, watch);
     saved.files = set.record();
-    save_report(set.path("report.json"), boxes.report, saved.files);
+    save_report(set.path("report.json"), results.report, saved.files);
     // From here on the folder may hold files of both runs.
     if (before_naming) naming = before_naming();
     if (std::filesystem::exists(report) && !is_report(report)) saved.notes.push_back(set_aside(report));

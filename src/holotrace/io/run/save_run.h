@@ -23,7 +23,7 @@ struct SavedRun {
 /// program is killed while the files get their names, report.json says that the folder is incomplete.
 /// @param watch          of the stages "save the sweep" and "chart"
 /// @param before_naming  is called before the files get their names; what it returns lives until they have them
-SavedRun save_run(const std::string& folder, const Boxes& boxes, const Job& job, const StageObserver& watch = {},
+SavedRun save_run(const std::string& folder, const RunResults& results, const Job& job, const StageObserver& watch = {},
                   const std::function<std::shared_ptr<void>()>& before_naming = {});
 
 }  // namespace holotrace

@@ -74,9 +74,10 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
               "{}expected the key \"wavelength\" of a scene whose points take their light from a texture, got none",
               object.where("texture"));
       if (job_.wavelengths.size() > 1 && texture.channels > 1)
-        job_.warnings.push_back(
-            fmt::format("{}points have one amplitude at all wavelengths, the texture is taken at {}",
-                        object.where("texture"), format_length(job_.wavelengths.front())));
+        job_.warnings.push_back(fmt::format(
+            "{}points have the same amplitude at all wavelengths: the texture's values at {} are used, and its "
+            "colours are ignored; use a mesh with a texture to show colours",
+            object.where("texture"), format_length(job_.wavelengths.front())));
       return {{}, make_point_quad(width, height, columns, rows, &texture, channel_weights(job_.wavelengths.front()))};
     }
     std::string none;

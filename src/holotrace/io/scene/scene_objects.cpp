@@ -89,12 +89,12 @@ void SceneObjects::add_object(TomlTable object) {
   require(!bounds.empty, "{}expected an object with triangles or points, got an empty one", object.where(""));
   require(
       bounds.low.z != 0 || bounds.high.z != 0,
-      "{}expected the object behind the panel (z < 0) or in front of it (z > 0), but it lies in its plane, z = 0; move it "
-      "with \"position\"",
+      "{}expected the object behind the panel (z < 0) or in front of it (z > 0), got one in the plane of the panel, "
+      "z = 0; set its \"position\", such as \"0 0 -300 mm\"",
       object.where(""));
   if (bounds.low.z < 0 && bounds.high.z > 0 && !object.has("position") && !object.has("positions"))
     job_.warnings.push_back(fmt::format(
-        "{}the object stands in the panel, from z = {} to {}; give its \"position\", such as \"0 0 -300 mm\"",
+        "{}the object extends through the panel, from z = {} to {}; set its \"position\", such as \"0 0 -300 mm\"",
         object.where(""), format_length(bounds.low.z), format_length(bounds.high.z)));
   for (Mesh& mesh : geometry.meshes) {
     if (mesh.material < 0) {

@@ -76,7 +76,10 @@ std::vector<Sources> all_waves(const Job& job, const TraceProbe& probe) {
 void require_light(const TraceProbe& probe) {
   const bool has_waves = std::any_of(probe.light.sources.begin(), probe.light.sources.end(),
                                      [](const Sources& set) { return !set.waves.empty(); });
-  require(has_waves || probe.light.sources.empty(), "expected light from the scene, the probe found none");
+  require(
+      has_waves || probe.light.sources.empty(),
+      "expected at least one wave from the scene to estimate the job, got none; light the scene, or move it into the "
+      "panel's field of view");
 }
 
 // If a coarse raster misses the whole scene, it is refined before anything is measured. Returns the part of the rays.

@@ -118,11 +118,15 @@ void check_head_to_show(const Field& field, const Slm& slm, const Observer& obse
   check_wavelength(field.wavelength, slm.grid);
   require_grid_of(slm, field.grid, "field");
   if (field.z != 0)
-    observer.warn(fmt::format("the field is at z = {} and is shown at the panel, z = 0; propagate it there first",
-                              format_length(field.z)));
+    observer.warn(fmt::format(
+        "the field is in the plane z = {}, but is encoded as if it were on the panel, z = 0; propagate it to the "
+        "panel first",
+        format_length(field.z)));
   if (field.grid.centre_x != 0 || field.grid.centre_y != 0)
-    observer.warn(fmt::format("the field is centred on ({}, {}) and is shown on the axis",
-                              format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
+    observer.warn(fmt::format(
+        "the field is centred on ({}, {}), but is encoded as if it were centred on the panel; propagate it first, to "
+        "a window with centre_x and centre_y of 0 m",
+        format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
 }
 
 void warn_of_dark_field(const Observer& observer) {

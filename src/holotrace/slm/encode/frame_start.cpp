@@ -13,7 +13,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/double_phase.h"
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/kinoform.h"
 #include "holotrace/slm/encode/low_pass.h"

@@ -26,7 +26,8 @@ Vec2 reference_carrier(const EncodeParams& params, const Grid& grid, double wave
   const Vec2 carrier{std::sin(ax) / wavelength, std::sin(ay) / wavelength};
   const double nyquist = 1 / (2 * grid.pitch);
   require(std::max(std::abs(carrier.x), std::abs(carrier.y)) < nyquist,
-          "expected an off-axis reference below {}, the steepest that pixels of {} hold at {}, got {} in x, {} in y",
+          "expected an off-axis reference at an angle below {}, the largest that pixels of {} can represent at {}, got "
+          "{} in x, {} in y; use smaller reference angles",
           format_angle(std::asin(std::min(1.0, nyquist * wavelength))), format_length(grid.pitch),
           format_length(wavelength), format_angle(ax), format_angle(ay));
   return carrier;
@@ -180,11 +181,11 @@ void tell_band_power(double inside, const Hologram& hologram, bool with_bias, co
   const double wavelength = hologram.wavelength;
   if (inside < 0.99)
     observer.warn(fmt::format(
-        "the {} hologram keeps {:.3g} % of the field's power: the rest lies beyond ±{} in x, ±{} in y, where the "
-        "other terms of the interference or the panel's Nyquist limit are; narrow the scene{}",
+        "the {} hologram keeps {:.3g} % of the field's power; the rest is at angles beyond ±{} in x and ±{} in y, "
+        "outside the band of the signal; make the scene narrower{}",
         hologram.encoder, 100 * inside, format_angle(std::asin(std::min(1.0, hologram.filter->half_u * wavelength))),
         format_angle(std::asin(std::min(1.0, hologram.filter->half_v * wavelength))),
-        with_bias ? " or leave the bias terms out" : ""));
+        with_bias ? ", or use with_bias = false" : ""));
 }
 
 }  // namespace holotrace

@@ -17,7 +17,7 @@ using Complex = std::complex<float>;
 void require_held(double steepest_u, double steepest_v, const Grid& grid, double wavelength) {
   const double nyquist = 1 / (2 * grid.pitch), steepest = std::max(steepest_u, steepest_v);
   require(steepest < nyquist,
-          "expected light that meets the panel below {}, the steepest that samples of {} hold at {}, got {}; "
+          "expected illumination at an angle below {}, the largest that samples of {} can represent at {}, got {}; "
           "use more subpixels, or less tilt or curvature",
           format_angle(std::asin(std::min(1.0, nyquist * wavelength))), format_length(grid.pitch),
           format_length(wavelength), format_angle(std::asin(std::min(1.0, steepest * wavelength))));

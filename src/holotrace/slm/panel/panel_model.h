@@ -24,8 +24,8 @@ struct PanelWork {
 /// A panel under one illumination state, prepared for any number of patterns. It computes the field that leaves the
 /// panel from the drive of its pixels, and gradients back. Both `show` and the encoder `sgd` use it.
 ///
-/// A pattern is a **drive**: a value in levels per pixel, 0 ≤ ℓ ≤ M. Whole values are the levels of a hologram;
-/// between them the calibration is taken as linear. The light is a function of the drive alone:
+/// Its input is the **drive**: a number for each pixel in units of levels, 0 ≤ ℓ ≤ M, not rounded. Whole numbers are the levels
+/// of a hologram; between them the calibration is taken as linear. The light is a function of the drive alone:
 ///
 ///     drive, except of dead pixels → phase φ(ℓ), amplitude a(ℓ), flicker                pixel_response.h
 ///           → blur of both (crosstalk) → a·exp(iφ)                       crosstalk.h, pixel_expansion.h

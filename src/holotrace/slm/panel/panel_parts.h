@@ -38,7 +38,7 @@ struct PanelModel::Parts {
   Modulation modulation;
   int levels;
   IlluminationState state;
-  Grid out;
+  Grid out;  ///< samples of the field that leaves: n·nx × n·ny of pitch p/n
   PixelResponse response;
   bool has_crosstalk;
   PixelExpansion expansion;

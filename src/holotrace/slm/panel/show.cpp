@@ -14,7 +14,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/panel/checks.h"
-#include "holotrace/slm/panel/leave_on_device.h"
+#include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/panel_model.h"
 
 namespace holotrace {
@@ -188,7 +188,7 @@ void tell(const Hologram& hologram, const Slm& slm, const ShowParams& params, do
 ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,
                       const IlluminationState& state, const Observer& observer) {
   const Shown shown = ready_to_show(hologram, slm, params, state, observer);
-  std::optional<Field> there = leave_on_device(shown.panel, shown.pattern(), params.device, observer);
+  std::optional<Field> there = panel_field_by_device(shown.panel, shown.pattern(), params.device, observer);
   if (there) shown.complete(*there);
   ShownField result{there ? std::move(*there) : shown.on_processor(), shown.panel.power_in()};
   tell(hologram, slm, params, result.power_in, power(result.field), observer);
@@ -199,7 +199,7 @@ ShownLight show_light(const Hologram& hologram, const Slm& slm, const ShowParams
                       const IlluminationState& state, const Observer& observer) {
   const auto shown = std::make_shared<const Shown>(ready_to_show(hologram, slm, params, state, observer));
   const double power_in = shown->panel.power_in();
-  std::optional<LeftField> there = leave_to_device(shown->panel, shown->pattern(), params.device, observer);
+  std::optional<PanelField> there = panel_field_on_device(shown->panel, shown->pattern(), params.device, observer);
   DeviceField* const on_device = there ? std::get_if<DeviceField>(&there->field) : nullptr;
   if (!on_device) {
     Field field = there ? std::get<Field>(std::move(there->field)) : shown->on_processor();

@@ -22,7 +22,7 @@ namespace holotrace {
 /// half of the orders ±n/2. n = 1 is order 0 alone, with its roll-off (0.405 at the Nyquist frequency for F = 1). The
 /// frequency ±n/2p itself is one sample of the spectrum: it gets the mean of both signs, 0 for an even n.
 ///
-/// On a device (params.device), levels are sent there and the field comes back; it differs by rounding (leave_on_device.h).
+/// On a device (params.device), levels are sent there and the field comes back; it differs by rounding (panel_field_by_device.h).
 ///
 /// @param hologram  levels, shape (ny, nx)
 /// @param slm       the panel: its grid, fill factor F and design wavelength
@@ -31,7 +31,7 @@ namespace holotrace {
 ///                  filter, which moves with the orders by (sin αx, sin αy)/λ for the tilts in `params`
 /// @throws Error    if the grids differ, a level is not below M, the panel does not modulate as the hologram does, a
 ///                  parameter is out of range or has no effect on this light, or the field does not fit in memory; as
-///                  leave_on_device does
+///                  panel_field_by_device does
 /// Facts: `device` (its name, on a device); `power_in`, `power_out` [W]; `efficiency`, the fraction of the light on the panel in these orders;
 /// `effects` that are on; `effects_off`, the panel's other effects. Warns of named effects that the panel does not
 /// have, of amplitudes on a phase panel, and of levels that compensate other effects than those that are on. Cost: FFTs
@@ -44,6 +44,7 @@ struct ShownField {
   Field field;
   double power_in = 0;
 };
+/// The same, with samples on the processor or on a device.
 struct ShownLight {
   PlacedField field;
   double power_in = 0;

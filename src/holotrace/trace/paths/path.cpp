@@ -231,12 +231,12 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
 void warn_of_caustics(const PathScene& scene, const Observer& observer) {
   if (scene.caustics.has_normal_map)
     observer.warn(
-        "the light of point, spot and directional lights that mirrors and glass with a normal map throw on other surfaces is "
-        "left out; use rectangle lights, which paths find by themselves");
+        "caustics of point, spot and directional lights through mirrors or glass with a normal map are left out; use "
+        "rectangle lights, or remove the normal map");
   if (scene.caustics.has_long)
     observer.warn(fmt::format(
-        "the light of point, spot and directional lights that more than {} mirrors and glass surfaces throw on other "
-        "surfaces one after the other is left out; use rectangle lights, which paths find by themselves",
+        "caustics of point, spot and directional lights with more than {} reflections and refractions are left out; "
+        "use rectangle lights, which paths find by themselves",
         most_chained));
 }
 

@@ -77,10 +77,10 @@ void report(const Cones& cones, const std::vector<double>& wavelengths, const Gr
   observer.fact("cone_half_angle", Fact(half_angle));
   observer.fact("etendue_given_up", Fact(given_up));
   if (given_up > most_given_up)
-    observer.warn(
-        fmt::format("all wavelengths use the cone of {}, a half angle of {}; {} loses {:.0f} % of its étendue so that "
-                    "the view has no coloured rim; use closer wavelengths, or common_cone = false",
-                    format_length(cones.of_rays), format_angle(half_angle), format_length(longest), 100 * given_up));
+    observer.warn(fmt::format(
+        "all wavelengths are limited to the acceptance cone of {} (half angle {}), which avoids a coloured border; "
+        "light at {} loses {:.0f} % of its étendue; use wavelengths that are closer together, or common_cone = false",
+        format_length(cones.of_rays), format_angle(half_angle), format_length(longest), 100 * given_up));
 }
 
 std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group,

@@ -21,7 +21,7 @@ struct WaveSet {
   bool has_laser = false;      ///< whether lasers are among its lights
   bool has_points = true;      ///< whether it also contains the scene's luminous points
   std::string name;            ///< name of the path group or light, "" for all
-  double cone_wavelength = 0;  ///< Sources::cone_wavelength
+  double cone_wavelength = 0;  ///< Label::cone_wavelength of its sources [m]; 0: its own wavelength
 
   /// Wavelength whose acceptance its waves fill [m].
   double cone() const { return cone_wavelength > 0 ? cone_wavelength : wavelength; }
@@ -41,7 +41,7 @@ Lines lines_of(const std::vector<double>& group);
 /// wavelength; otherwise the rays use the longest, and each wave its own.
 struct Cones {
   double of_rays = 0;
-  double of_waves = 0;  ///< Sources::cone_wavelength; 0: each wave its own
+  double of_waves = 0;  ///< Label::cone_wavelength of the waves [m]; 0: each wave its own
 };
 Cones cones_of(const std::vector<double>& wavelengths, const TraceParams& params);
 

@@ -214,8 +214,8 @@ void find_gain(const Channel& moving, const Channel& fixed, bool fits_offset, Re
       n += 1, sm += m[at], sf += f[at], sz += z, mz += m[at] * z, fz += f[at] * z;
     }
   require(n > 2 && n * fz - sf * sz > 0,
-          "expected pictures whose brightness varies over more than 8 pixels to tell a gain from an offset, got "
-          "none; leave the offset out");
+          "expected pictures whose brightness varies on a scale of more than 8 pixels, which the fit of the offset "
+          "needs, got none; leave out the offset");
   r.gain = (n * mz - sm * sz) / (n * fz - sf * sz);
   r.offset = (sm - r.gain * sf) / n / (side * side);
 }
@@ -271,7 +271,7 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   const std::string what_to_do = fmt::format(
       "{}crop the photograph to what is simulated, flip it if a mirror was used, or give the scales to try, "
       "which were {:.3g} to {:.3g} pixels of the photograph per pixel of the simulation",
-      has_outline ? "its dark ground has an edge to the picture, which the simulation lacks: " : "", smallest, largest);
+      has_outline ? "the photograph has a dark border that the simulation does not have: " : "", smallest, largest);
   require(fit.pixels > 0,
           "expected a photograph of what the simulation shows, with enough structure to locate it, got none "
           "that fits anywhere; {}",
@@ -287,8 +287,8 @@ Registration register_image(const Image& moving_image, const Image& fixed_image,
   r.uncertainty = laid.error();
   const double most_error = most_error_part * long_side(moving);
   require(r.uncertainty <= most_error,
-          "expected a photograph of what the simulation shows, with enough structure to locate it, got one "
-          "whose best place has a standard error of {:.2g} pixels, where {:.2g} is the most; {}",
+          "expected a photograph of what the simulation shows, with enough structure to locate it, got one whose best "
+          "position has a standard error of {:.2g} pixels, above the limit of {:.2g}; {}",
           r.uncertainty, most_error, what_to_do);
 
   const Pair plain = at_resolution(moving, fixed, pair.pixel_moving / pair.pixel_fixed, pair.pixel_fixed);

@@ -37,10 +37,11 @@ double reach_of(const Taper& taper, const Taper& other, double depth, double wav
 }
 
 int window_length(double samples, int least) {
-  require(samples < 1e6,
-          "expected a window of slices of less than a million samples, got {:.3g}; the light is too far "
-          "off the axis, or too far away for its size",
-          samples);
+  require(
+      samples < 1e6,
+      "expected a window of slices of less than a million samples along each axis, got {:.3g}; move the scene closer "
+      "to the panel's axis, or closer to the panel",
+      samples);
   return fft_good_length(std::max(int(std::ceil(samples)), least));
 }
 

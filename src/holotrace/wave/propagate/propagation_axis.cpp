@@ -290,8 +290,9 @@ void set_sampling(PropagationAxis& a, PropagationMethod method, bool is_kernel, 
   } else {
     sample_spectrum(a, is_paraxial, edge_widths);
     require(a.first <= a.last,
-            "expected an output window that light from the input reaches over {}, got one whose middle lies {} off the "
-            "input's in {}, where samples of {} send none; move it nearer, or sample the input more finely",
+            "expected an output window that light from the input reaches over {}, got one whose centre is {} from the "
+            "input's centre in {}; an input with a pitch of {} sends no light there; move the window closer to the "
+            "input's centre, or use a finer input pitch",
             format_length(std::abs(a.z)), format_length(a.middle()), a.name, format_length(a.input_pitch));
   }
 }

@@ -114,11 +114,12 @@ std::vector<TrianglePart> cut_triangles(const Triangles& triangles, const Grid& 
   for (size_t i = 0; i < triangles.triangles.size(); ++i) {
     int64_t count = 0;
     cutter.cut(triangles.triangles[i], [&](const Triangle& t, const Corners& c, const PixelBox& box) {
-      require(++count <= most,
-              "expected triangles that come to {} parts or fewer each, got triangle {} of depth {} to {}, which is cut "
-              "finer; move it away from the panel or take smaller ones",
-              most, i, format_length(-std::max({t.corners[0].z, t.corners[1].z, t.corners[2].z})),
-              format_length(-std::min({t.corners[0].z, t.corners[1].z, t.corners[2].z})));
+      require(
+          ++count <= most,
+          "expected triangles that need {} parts or fewer each, but triangle {} at depths from {} to {} needs more; "
+          "move it away from the panel, or use smaller triangles",
+          most, i, format_length(-std::max({t.corners[0].z, t.corners[1].z, t.corners[2].z})),
+          format_length(-std::min({t.corners[0].z, t.corners[1].z, t.corners[2].z})));
       const bool is_dark = c.amplitudes == std::array<float, 3>{};
       if (!box.is_empty() && !is_dark) parts.push_back(cutter.prepare(t, c, box));
     });

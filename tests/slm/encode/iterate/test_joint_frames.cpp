@@ -102,7 +102,7 @@ TEST(JointFrames, TakeOneSampleOfAPixelOnlyIfTheTargetsAreSmooth) {
   for (uint64_t round = 0; round < 4; ++round)
     for (const size_t sample : samples_of(samples_of_update(1, round, true), 4)) taken.insert(sample);
   EXPECT_EQ(taken.size(), 4u);
-  EXPECT_EQ(part_of_light(SampleGroup::third), 4);
+  EXPECT_EQ(irradiance_factor(SampleGroup::third), 4);
 }
 
 // A gain of 100 dB is never reached, so the iterations end one window after the first two. A window has 10 updates or more, and the

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "holotrace/slm/encode/iterate/descent_loops.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 #include "support/build_paths.h"
 #include "support/devices.h"
 #if HOLOTRACE_HAS_OPENCL

@@ -154,7 +154,7 @@ TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
 
 // What several processes compute of the first update, each with devices of its own or, without, on the processor.
 Gradient gradient_of_shared(const DescentCase& one, int processes, const DeviceChoice& device) {
-  ThreadLinks links(processes, find_frames_of_rank);
+  ThreadLinks links(processes, optimise_frames_for_first_process);
   SharedFrames frames(links, {one.slm, one.params}, device, one.start(),
                       [&](const std::vector<Hologram>& own, const OtherFrames& others) -> std::unique_ptr<FrameArrays> {
                         const auto devices = devices_of_process(device, links.here(), own.size());
@@ -239,7 +239,7 @@ TEST(SharedFrames, ReachTheLossOfOneProcessAndTheSameBytesEachTime) {
   one.params.iterations = 12;
   Heard of_one, of_three;
   found(one, nullptr, of_one.observer());
-  ThreadLinks links(3, find_frames_of_rank);
+  ThreadLinks links(3, optimise_frames_for_first_process);
   const std::vector<Hologram> levels = found(one, &links, of_three.observer());
   for (const char* fact : {"loss_first", "loss_last", "target_efficiency"})
     EXPECT_NEAR(of_three.number(fact), of_one.number(fact), 0.02 * of_one.number(fact)) << fact;
@@ -253,7 +253,7 @@ TEST(SharedFrames, ReachTheLossOfOneProcessAndTheSameBytesEachTime) {
 TEST(SharedFrames, MayBeFewerThanTheProcesses) {
   DescentCase one{"one frame"}, two{"two frames", 2};
   one.params.iterations = two.params.iterations = 3;
-  ThreadLinks links(4, find_frames_of_rank), pair(2, find_frames_of_rank);
+  ThreadLinks links(4, optimise_frames_for_first_process), pair(2, optimise_frames_for_first_process);
   EXPECT_TRUE(are_same(found(one, &links), found(one, nullptr)));
   EXPECT_EQ(links.bytes_out(), 0u);
   EXPECT_TRUE(are_same(found(two, &links), found(two, &pair)));
@@ -265,7 +265,7 @@ TEST(SharedFrames, ExchangeTheLightOfThePlanesOnly) {
   one.params.target_distances = {0.006};
   const auto exchanged = [&](int iterations) {
     one.params.iterations = iterations;
-    ThreadLinks links(2, find_frames_of_rank);
+    ThreadLinks links(2, optimise_frames_for_first_process);
     found(one, &links);
     return std::pair{links.bytes_out(), links.bytes_in()};
   };
@@ -285,7 +285,7 @@ TEST(SharedFrames, MoveTheLevelsOfTwoColoursAndOfComplexPanels) {
     one.params.iterations = 1;
     Heard of_one, of_two;
     const std::vector<Hologram> expected = found(one, nullptr, of_one.observer());
-    ThreadLinks links(2, find_frames_of_rank);
+    ThreadLinks links(2, optimise_frames_for_first_process);
     const std::vector<Hologram> levels = found(one, &links, of_two.observer());
     EXPECT_NEAR(of_two.number("loss_first"), of_one.number("loss_first"), 1e-5 * of_one.number("loss_first"));
     for (size_t m = 0; m < expected.size(); ++m) {
@@ -314,11 +314,11 @@ void go_on_from_a_checkpoint(DescentCase one) {
                               .is_due = [] { return false; },
                               .is_stopping = [&] { return ++updates == 4; }};
   {
-    ThreadLinks stopped(2, find_frames_of_rank);
+    ThreadLinks stopped(2, optimise_frames_for_first_process);
     EXPECT_EQ(error_of([&] { found(one, &stopped, {}, checkpoint); }).substr(0, 13), "stopped after");
   }
   const IterationState at_stop = *kept;
-  ThreadLinks links(2, find_frames_of_rank);
+  ThreadLinks links(2, optimise_frames_for_first_process);
   EXPECT_TRUE(are_same(found(one, &links, {}, checkpoint), found(one, &links)));
 
   kept = at_stop;

@@ -1,4 +1,4 @@
-// The pixel loops of iterations (descent_loops.h), with the formulas of descent_kernel.h. Loops over pixels have one
+// The pixel loops of iterations (device_loops.h), with the formulas of descent_kernel.h. Loops over pixels have one
 // work item for each; sums have one group for each row. Compiled with GROUP, the items of a group, a power of 2.
 
 // u = exp(2πi·c·ℓ), a phase panel without effects.

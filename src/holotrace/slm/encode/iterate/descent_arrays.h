@@ -10,11 +10,11 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/target.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
-// What a gradient descent does with arrays: frame_descent.h and colour.h say when, and with which numbers. The processor
-// does it by processor_arrays.h.
+// Arrays of a gradient descent. frame_descent.h and wavelength_descent.h say which function is called when, and with which
+// numbers. Implementations: processor_arrays.h, device_arrays.h (OpenCL devices), shared_frames.h (several processes).
 
 namespace holotrace {
 
@@ -31,10 +31,12 @@ class WavelengthLight {
 
   /// Sums over a plane for the mean light of the frames that left last, with some of the samples of its pixels.
   /// @param is_kept  whether the light in the plane stays for add_gradient
+  /// @return         the sums; empty in a process without targets (OtherFrames::has_targets)
   virtual ModulusSums plane_sums(size_t plane, SampleGroup group, bool is_kept) = 0;
 
   /// Adds the gradient of s²·Σw(A − a/s)² by the levels of each frame, times factor, to their slopes, for the light that
-  /// plane_sums has kept with the same samples, and drops that light. @return that sum
+  /// plane_sums has kept with the same samples, and drops that light.
+  /// @return  that sum; 0 in a process without targets
   virtual double add_gradient(size_t plane, SampleGroup group, double scale, double factor) = 0;
 
   /// The same for views through pupils, over the pixels of all pictures. Kept light is that of the last views; both
@@ -46,7 +48,8 @@ class WavelengthLight {
 /// A step of Adam for levels and, on complex panels, moduli; and how the drives are then rounded (settle_drive).
 struct DriveStep {
   AdamStep level, modulus;
-  float turn, levels, hardness;
+  float levels_per_cycle;  ///< levels of 2π of phase; 0: the drive does not wrap
+  float levels, hardness;
 };
 
 /// The frames of a gradient descent: of each its drive, what Adam remembers of it, the drive rounded to levels, and the
@@ -89,8 +92,9 @@ inline SampleGroup samples_of_update(int subpixels, uint64_t round, bool takes_o
   return in_turn[round % in_turn.size()];
 }
 
-/// What the power of some samples is multiplied by to give the mean irradiance of a pixel.
-inline double part_of_light(SampleGroup group) {
+/// Factor from the summed power of some of the four samples of a pixel to its mean irradiance: 1 for all of them, 2 for a
+/// diagonal, 4 for one.
+inline double irradiance_factor(SampleGroup group) {
   return group == SampleGroup::all ? 1 : 4 / double(samples_of(group, 4).size());
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // What iterations do with a pixel, in the common language of C++ and OpenCL C: descent.cl is compiled together with
-// this file. The loops of iteration_loops.cpp say the same in vectors; a test compares both.
+// this file. The loops of processor_loops.cpp say the same in vectors; a test compares both.
 
 #ifdef __OPENCL_VERSION__
 #define HOLOTRACE_KERNEL_FUNCTION

@@ -104,7 +104,7 @@ void DeviceLight::add_other_processes(const Part& part) {
     const auto lock = first.lock();
     first.read(sum, values.data(), sum.bytes());
   }
-  others_.exchange->add_up(values.data(), values.size());
+  others_.exchange->reduce_to_first(values.data(), values.size());
   if (!others_.has_targets()) return;
   const auto lock = first.lock();
   first.write(sum, values.data(), sum.bytes());
@@ -120,7 +120,7 @@ void DeviceLight::send_to_others(const Part& part) {
     const auto lock = first.lock();
     first.read(from, values.data(), from.bytes());
   }
-  if (others_.exchange) others_.exchange->hand_out(values.data(), values.size());
+  if (others_.exchange) others_.exchange->broadcast_from_first(values.data(), values.size());
   on_all_shares(shares_, [&](size_t i) {
     if (i > 0 || !others_.has_targets()) shares_[i]->device().write(part(*lights_[i]), values.data(), from.bytes());
   });
@@ -145,7 +145,7 @@ double DeviceLight::add_gradient(size_t plane, SampleGroup group, double scale, 
     error = scale * scale * lights_.front()->leave_residual(plane, 1 / scale);
   }
   send_to_others([&](const FramesLight& share) -> const DeviceBuffer& { return share.mean(plane); });
-  const double of_frame = -2 * scale * scale * factor * part_of_light(group) / double(frames_);
+  const double of_frame = -2 * scale * scale * factor * irradiance_factor(group) / double(frames_);
   on_all([&](FramesLight& share) {
     share.add_slopes(plane, group, of_frame);
     share.drop(plane);

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "holotrace/opencl/device.h"
-#include "holotrace/slm/encode/iterate/descent_loops.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 #include "holotrace/slm/panel/device_panel.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "holotrace/slm/encode/iterate/descent_loops.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 #include "holotrace/slm/encode/iterate/projection_arrays.h"
 #include "holotrace/wave/propagate/device_convolution.h"
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "holotrace/data/target.h"
-#include "holotrace/slm/encode/iterate/descent_loops.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 #include "holotrace/wave/transform/line_transform.h"
 
 namespace holotrace {

@@ -7,7 +7,7 @@
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 #include "holotrace/slm/panel/phasors.h"
 #include "holotrace/slm/panel/pixel_response.h"
 
@@ -39,7 +39,7 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   cycles_per_level_ = slm.phase_range / (2 * pi) * design / wavelength / hologram.levels;
   const PixelResponse response(slm, hologram.modulation, hologram.levels, design / wavelength, 0);
   has_two_levels_ = hologram.levels == 2;
-  turn_ = has_two_levels_ ? 0 : drive_of_turn(response, hologram.levels);
+  levels_per_cycle_ = has_two_levels_ ? 0 : drive_of_turn(response, hologram.levels);
   const double cycles = response.cycles_at(hologram.levels) - response.cycles_at(0);
   levels_per_radian_ = response.has_phase() ? hologram.levels / (2 * pi * cycles) : hologram.levels - 1.0;
   if (effects_of(slm).empty() && hologram.modulation == Modulation::phase && subpixels == 1) return;

@@ -51,14 +51,14 @@ class DrivenPanel {
   /// Whether the propagation must include the pixels' aperture.
   PixelAperture aperture() const { return model_ ? PixelAperture::left_out : PixelAperture::included; }
 
-  /// Levels in a whole turn of phase; 0 if the levels do not cover a turn, or are only two.
-  double turn() const { return turn_; }
+  /// Levels of 2π of phase; 0 if the levels do not cover that, or are only two.
+  double levels_per_cycle() const { return levels_per_cycle_; }
 
   /// Mean number of levels that change the light by its own modulus: per radian of phase, or for an amplitude panel from
   /// dark to bright, as for the modulus of a complex modulation.
   double levels_per_radian() const { return levels_per_radian_; }
 
-  /// Turns of phase per level of a phase panel without effects.
+  /// Cycles of phase per level of a phase panel without effects.
   double cycles_per_level() const { return cycles_per_level_; }
 
   /// The model of a panel with effects, of several samples per pixel, or that modulates more than the phase; otherwise none.
@@ -81,7 +81,7 @@ class DrivenPanel {
                  const PanelDetail& detail = {}) const;
 
  private:
-  double cycles_per_level_, turn_, levels_per_radian_;
+  double cycles_per_level_, levels_per_cycle_, levels_per_radian_;
   bool has_two_levels_;
   std::optional<PanelModel> model_, coarse_, mean_;  // for each PixelDetail; the last two only with crosstalk
 };

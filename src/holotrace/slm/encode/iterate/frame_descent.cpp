@@ -42,8 +42,8 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
       colours_(colours_of(targets, setup, frames.front(), *arrays_)),
       last_update_(iterations_) {
   for (const auto& colour : colours_) {
-    lit_ += colour->power() > 0;
-    turns_.emplace_back(colour->turns(), params_.planes_per_update, uint64_t(params_.seed));
+    lit_wavelengths_ += colour->power() > 0;
+    plane_schedules_.emplace_back(colour->turns(), params_.planes_per_update, uint64_t(params_.seed));
   }
   // The error in a single plane falls so low that the one sample which stands for a pixel would limit it.
   const bool is_one_enough = std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) {
@@ -51,7 +51,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
   });
   has_single_samples_ = samples_of(samples_of_update(params_.subpixels, 0, is_one_enough), 4).size() == 1;
   const DrivenPanel& panel = colours_.front()->panel();
-  turn_ = colours_.size() == 1 ? float(panel.turn()) : 0;
+  levels_per_cycle_ = colours_.size() == 1 ? float(panel.levels_per_cycle()) : 0;
   const double step = params_.step > 0 ? params_.step : sgd_step;
   level_step_ = step * panel.levels_per_radian();
   modulus_step_ = step * (levels_ - 1);
@@ -60,7 +60,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
 // Updates until each plane of each colour has had its turn.
 int FrameDescent::updates_per_round() const {
   size_t most = 1;
-  for (const Turns& turns : turns_) most = std::max(most, turns.updates_per_round());
+  for (const PlaneSchedule& turns : plane_schedules_) most = std::max(most, turns.updates_per_round());
   return int(most);
 }
 
@@ -70,13 +70,13 @@ void FrameDescent::judge() {
 }
 
 // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
-double FrameDescent::part(const WavelengthDescent& colour) const {
-  return colour.power() > 0 ? 1 / (colour.power() * lit_) : 0;
+double FrameDescent::loss_weight(const WavelengthDescent& colour) const {
+  return colour.power() > 0 ? 1 / (colour.power() * lit_wavelengths_) : 0;
 }
 
 double FrameDescent::loss() const {
   double sum = 0;
-  for (const auto& colour : colours_) sum += colour->error() * part(*colour);
+  for (const auto& colour : colours_) sum += colour->error() * loss_weight(*colour);
   return sum;
 }
 
@@ -86,14 +86,16 @@ void FrameDescent::update() {
     WavelengthDescent& colour = *colours_[c];
     if (colour.power() == 0) continue;
     colour.leave(detail(updates()));
-    const std::vector<size_t> planes = turns_[c].take();
+    const std::vector<size_t> planes = plane_schedules_[c].take();
     double weight = 1;
     if (!colour.targets().empty()) {
       const bool takes_one = has_single_samples_ && !is_late(updates());
-      colour.add_planes(planes, samples_of_update(params_.subpixels, turns_[c].round(), takes_one), part(colour));
+      colour.add_planes(planes, samples_of_update(params_.subpixels, plane_schedules_[c].round(), takes_one),
+                        loss_weight(colour));
       weight = view_weight * double(planes.size()) / double(colour.targets().size());  // of the planes' light
     }
-    if (targets_.draw_views) colour.add_views(targets_.draw_views(updates(), colour.wavelength()), weight / lit_);
+    if (targets_.draw_views)
+      colour.add_views(targets_.draw_views(updates(), colour.wavelength()), weight / lit_wavelengths_);
   }
   step();
   losses_.push_back(loss());
@@ -101,7 +103,7 @@ void FrameDescent::update() {
 }
 
 // How far the schedule is after some updates, from 0 to 1.
-double FrameDescent::place(int updates) const {
+double FrameDescent::progress(int updates) const {
   if (ending_from_ < 0) return double(updates) / iterations_;
   const double from = double(ending_from_) / iterations_;
   return from + (1 - from) * (updates - ending_from_) / (last_update_ - ending_from_);
@@ -112,12 +114,12 @@ double FrameDescent::place(int updates) const {
 float FrameDescent::hardness(int updates) const {
   if (levels_ > 16) return 1;
   const double hard_from = levels_ == 2 ? 0.15 : 0.7;
-  return float(std::min(1.0, place(updates) / hard_from));
+  return float(std::min(1.0, progress(updates) / hard_from));
 }
 
 // Most of the schedule need neither know crosstalk exactly nor take more than one sample of each pixel of smooth targets: its
 // last part corrects what that spoils.
-bool FrameDescent::is_late(int updates) const { return place(updates) >= 0.75; }
+bool FrameDescent::is_late(int updates) const { return progress(updates) >= 0.75; }
 
 // Whether losses from `first` to `last` cannot be compared.
 bool FrameDescent::has_change(int first, int last) const {
@@ -152,12 +154,12 @@ void FrameDescent::end_if_little_is_gained() {
 // A step of Adam (Kingma and Ba, 2015), which falls to 0 over the schedule as a half cosine.
 void FrameDescent::step() {
   constexpr double beta1 = 0.9, beta2 = 0.99;
-  const double fall = (1 + std::cos(pi * place(updates()))) / 2, t = updates() + 1;
+  const double fall = (1 + std::cos(pi * progress(updates()))) / 2, t = updates() + 1;
   const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
   const auto adam = [&](double whole_step) {
     return AdamStep{float(beta1), float(beta2), float(whole_step * fall * correction), 1e-20F};
   };
-  arrays_->step({adam(level_step_), adam(modulus_step_), turn_, float(levels_), hardness(updates() + 1)});
+  arrays_->step({adam(level_step_), adam(modulus_step_), levels_per_cycle_, float(levels_), hardness(updates() + 1)});
 }
 
 template <class Work>
@@ -166,7 +168,7 @@ void FrameDescent::each_number(const Work& work) {
   work(last_update_);
   work(ending_from_);
   for (const auto& colour : colours_) colour->each_number(work);
-  for (Turns& turns : turns_) turns.each_number(work);
+  for (PlaneSchedule& turns : plane_schedules_) turns.each_number(work);
 }
 
 IterationState FrameDescent::state() {
@@ -196,7 +198,7 @@ void FrameDescent::restore(const IterationState& state) {
   size_t next = 0;
   each_number([&](auto& number) { number = std::decay_t<decltype(number)>(state.numbers[next++]); });
   arrays_->restore(state.arrays);
-  for (const Turns& turns : turns_)
+  for (const PlaneSchedule& turns : plane_schedules_)
     require(turns.are_sound(),
             "expected a state of gradient descent, but the order of its planes is damaged; remove the checkpoint");
 }

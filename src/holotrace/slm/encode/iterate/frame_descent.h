@@ -19,9 +19,9 @@
 namespace holotrace {
 
 /// The planes of each update: all of them have their turn, in an order that is random for each round.
-class Turns {
+class PlaneSchedule {
  public:
-  Turns(size_t planes, int per_update, uint64_t seed)
+  PlaneSchedule(size_t planes, int per_update, uint64_t seed)
       : order_(planes),
         per_update_(per_update == 0 ? planes : std::min(planes, size_t(per_update))),
         next_(planes),
@@ -124,8 +124,10 @@ class FrameDescent {
 
  private:
   int updates_per_round() const;
-  double part(const WavelengthDescent& colour) const;
-  double place(int updates) const;
+  /// Weight of a wavelength in the loss.
+  double loss_weight(const WavelengthDescent& colour) const;
+  /// Progress of the schedule after some updates, from 0 to 1.
+  double progress(int updates) const;
   float hardness(int updates) const;
   bool is_late(int updates) const;
   bool has_change(int first, int last) const;
@@ -142,9 +144,9 @@ class FrameDescent {
   const size_t arrays_of_state_;
   std::unique_ptr<FrameArrays> arrays_;
   Colours colours_;
-  std::vector<Turns> turns_;  // of each colour
-  double lit_ = 0;            // number of colours that have light
-  float turn_ = 0;            // levels of a whole turn of phase; 0 for none
+  std::vector<PlaneSchedule> plane_schedules_;  // of each colour
+  double lit_wavelengths_ = 0;                  // number of them that have light
+  float levels_per_cycle_ = 0;                  // levels of 2π of phase; 0: drives do not wrap
   double level_step_, modulus_step_;
   std::vector<double> losses_;
   bool has_single_samples_ = false;  // until the last part

@@ -105,7 +105,7 @@ void FramesLight::to_panel(Way& way, const std::vector<DisplacedSamples>& sample
 // Adds the power of a frame's samples: for pixel means, those of each place in a pixel; else all to the mean.
 void FramesLight::add_powers(const std::vector<DisplacedSamples>& samples, SampleGroup group, bool is_first,
                              DevicePlaneLight& light) {
-  const float factor = float(part_of_light(group) / double(frames_));
+  const float factor = float(irradiance_factor(group) / double(frames_));
   for (size_t i = 0; i < samples.size(); ++i)
     if (has_means(group))
       add_power(device_, {*samples[i].samples, factor, !is_first, 1}, pixels(), memory_.power[i]);

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "holotrace/slm/encode/iterate/descent_loops.h"
 #include "holotrace/slm/encode/iterate/device_driven_panel.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 #include "holotrace/slm/encode/iterate/device_views.h"
 #include "holotrace/slm/encode/iterate/frames_on_device.h"
 #include "holotrace/slm/encode/iterate/processor_light.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "holotrace/slm/encode/iterate/descent_loops.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 
 namespace holotrace {
 namespace {
@@ -127,7 +127,7 @@ void FramesOnDevice::clear_slopes() {
 
 void FramesOnDevice::step(const DriveStep& step) {
   each_frame(FrameUse::step, [&](size_t, const DeviceFrame& frame) {
-    step_drives(device_, step.level, step.turn, step, frame.level);
+    step_drives(device_, step.level, step.levels_per_cycle, step, frame.level);
     if (frame.modulus.drive.bytes() > 0) step_drives(device_, step.modulus, 0, step, frame.modulus);
   });
 }

@@ -54,7 +54,7 @@ class Device;
 /// the checkpoint, or starts again, with a warning.
 ///
 /// **In several processes** (links), each has some of the frames, on its devices or the processor (SharedFrames). Process 0, which
-/// calls this, has the targets and decides; the others call find_frames_of_rank. The same number of processes with the same
+/// calls this, has the targets and decides; the others call optimise_frames_for_first_process. The same number of processes with the same
 /// devices gives the same levels; another one adds up the mean in another order, so levels differ by rounding. A device that fails
 /// ends the job, also one that `auto` has chosen.
 ///

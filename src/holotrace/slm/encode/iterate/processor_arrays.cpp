@@ -68,7 +68,7 @@ void ProcessorFrames::step(const DriveStep& step) {
         {}, 16);
   };
   for (size_t m = 0; m < frames_.size(); ++m) {
-    move(step.level, step.turn, &Drive::level, m);
+    move(step.level, step.levels_per_cycle, &Drive::level, m);
     if (rounded_[m].modulus.size() > 0) move(step.modulus, 0, &Drive::modulus, m);
   }
 }

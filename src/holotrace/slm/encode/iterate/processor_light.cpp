@@ -37,7 +37,7 @@ Array2D<float> ProcessorLight::mean_light(const TargetWay& way, SampleGroup grou
   }
   for (const Field& frame : u_) {
     std::vector<Field> shown = way.propagation.to_plane(frame, group);
-    add_power(shown, part_of_light(group) / frames(), light);
+    add_power(shown, irradiance_factor(group) / frames(), light);
     if (samples) samples->push_back(std::move(shown));
   }
   return light;
@@ -47,7 +47,7 @@ ModulusSums ProcessorLight::plane_sums(size_t plane, SampleGroup group, bool is_
   const TargetWay& way = ways_[plane];
   PlaneLight light;
   light.mean = mean_light(way, group, is_kept ? &light.samples : nullptr);
-  if (others_.exchange) others_.exchange->add_up(light.mean.values.data(), light.mean.size());
+  if (others_.exchange) others_.exchange->reduce_to_first(light.mean.values.data(), light.mean.size());
   const ModulusSums sums = others_.has_targets() ? fit_sums(*way.target, light.mean) : ModulusSums();
   if (is_kept) kept_[plane] = std::move(light);
   return sums;
@@ -58,12 +58,12 @@ double ProcessorLight::add_gradient(size_t plane, SampleGroup group, double scal
   auto kept = kept_.extract(plane);
   auto& [mean, samples] = kept.mapped();
   const double error = others_.has_targets() ? scale * scale * leave_residual(*way.target, 1 / scale, mean) : 0;
-  if (others_.exchange) others_.exchange->hand_out(mean.values.data(), mean.size());
+  if (others_.exchange) others_.exchange->broadcast_from_first(mean.values.data(), mean.size());
   for (size_t m = 0; m < samples.size(); ++m) {
     multiply(mean, samples[m]);
     const Field back = way.propagation.to_panel(samples[m], group);
     samples[m].clear();
-    lit_.panel.add_slope(levels_[m], u_[m], back, -2 * scale * scale * factor * part_of_light(group) / frames(),
+    lit_.panel.add_slope(levels_[m], u_[m], back, -2 * scale * scale * factor * irradiance_factor(group) / frames(),
                          slopes_[m], detail_);
   }
   return error;
@@ -87,7 +87,7 @@ ModulusSums ProcessorLight::view_sums(const ViewTargets& views, bool is_kept) {
   }
   ModulusSums sums;
   for (size_t k = 0; k < count; ++k) {
-    if (others_.exchange) others_.exchange->add_up(light.mean[k].values.data(), light.mean[k].size());
+    if (others_.exchange) others_.exchange->reduce_to_first(light.mean[k].values.data(), light.mean[k].size());
     if (!others_.has_targets()) continue;
     const ModulusSums of_view = fit_sums(views.amplitudes[k], {}, light.mean[k]);
     sums.cross += of_view.cross;
@@ -104,7 +104,7 @@ double ProcessorLight::add_gradient_of_views(const ViewTargets& views, double sc
   double error = 0;
   for (size_t k = 0; k < count; ++k) {
     if (others_.has_targets()) error += scale * scale * leave_residual(views.amplitudes[k], {}, 1 / scale, mean[k]);
-    if (others_.exchange) others_.exchange->hand_out(mean[k].values.data(), mean[k].size());
+    if (others_.exchange) others_.exchange->broadcast_from_first(mean[k].values.data(), mean[k].size());
   }
   for (size_t m = 0; m < u_.size(); ++m) {
     Field eye = way.dark_eye();

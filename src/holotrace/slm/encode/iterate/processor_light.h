@@ -8,7 +8,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
-#include "holotrace/slm/encode/iterate/mean_exchange.h"
+#include "holotrace/slm/encode/iterate/frame_exchange.h"
 #include "holotrace/slm/encode/iterate/pupil_propagation.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "holotrace/base/threads.h"
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {

@@ -29,13 +29,13 @@ std::vector<FrameRange> ranges_of_frames(size_t frames, int processes) {
   return ranges;
 }
 
-class SharedFrames::Exchange : public MeanExchange {
+class SharedFrames::Exchange : public FrameExchange {
  public:
   Exchange(ProcessLinks& links, int processes) : links_(links), processes_(processes) {}
 
   bool is_first() const override { return true; }
 
-  void add_up(float* values, size_t count) override {
+  void reduce_to_first(float* values, size_t count) override {
     for (int process = 1; process < processes_; ++process) {
       std::vector<float> part;
       from_message(links_.receive(process), part);
@@ -44,7 +44,7 @@ class SharedFrames::Exchange : public MeanExchange {
     }
   }
 
-  void hand_out(float* values, size_t count) override {
+  void broadcast_from_first(float* values, size_t count) override {
     const std::string bytes = to_message(std::vector<float>(values, values + count));
     for (int process = 1; process < processes_; ++process) links_.send(process, bytes);
   }

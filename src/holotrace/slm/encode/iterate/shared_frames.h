@@ -7,7 +7,7 @@
 #include "holotrace/base/process_links.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/frame_descent.h"
-#include "holotrace/slm/encode/iterate/mean_exchange.h"
+#include "holotrace/slm/encode/iterate/frame_exchange.h"
 
 namespace holotrace {
 
@@ -21,7 +21,7 @@ struct FrameRange {
 std::vector<FrameRange> ranges_of_frames(size_t frames, int processes);
 
 /// The frames of a descent that several processes share, as process 0 sees them: its own, and orders to the others, which
-/// find_frames_of_rank obeys.
+/// optimise_frames_for_first_process obeys.
 ///
 /// **What is exchanged.** For each plane of an update 4 bytes per pixel of the panel come from each other process, its frames'
 /// part of the mean irradiance, and 4 go there, the factor of each pixel's error. Process 0 adds the parts in the order of the
@@ -68,6 +68,6 @@ class SharedFrames : public FrameArrays {
 
 /// The work of a process other than process 0: it finds its frames by the orders of one SharedFrames, until it ends.
 /// @throws Error  for what goes wrong here: the caller tells process 0
-void find_frames_of_rank(ProcessLinks& links);
+void optimise_frames_for_first_process(ProcessLinks& links);
 
 }  // namespace holotrace

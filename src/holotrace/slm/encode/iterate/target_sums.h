@@ -5,7 +5,7 @@
 
 #include "holotrace/data/field.h"
 #include "holotrace/data/target.h"
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 
 // Sums over a target plane: within a row in float, over rows in double and in order; the same on any number of threads.
 // The light of a plane is its power, the mean irradiance over each pixel, shape (ny, nx), and A = √power.

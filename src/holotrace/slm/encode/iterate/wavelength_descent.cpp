@@ -17,10 +17,10 @@ WavelengthDescent::WavelengthDescent(const Slm& slm, const Hologram& hologram, d
     : wavelength_(wavelength),
       pixels_(slm.grid),
       panel_(slm, hologram, wavelength, params.subpixels),
-      frames_light_(frames.light_of(panel_, wavelength)) {}
+      wavelength_light_(frames.light_of(panel_, wavelength)) {}
 
 void WavelengthDescent::add(const TargetPlane& target) {
-  frames_light_->add(target);
+  wavelength_light_->add(target);
   targets_.push_back(&target);
   errors_.push_back(not_known);
   powers_.push_back(target_power(target));
@@ -64,9 +64,9 @@ void WavelengthDescent::judge() {
     all.square += one.square;
     light_ += one.square * pixels_of_sample / (double(turns()) * double(pixels_.pixels()));
   };
-  for (size_t k = 0; k < targets_.size(); ++k) add_sums(frames_light_->plane_sums(k, SampleGroup::all, false), 1);
+  for (size_t k = 0; k < targets_.size(); ++k) add_sums(wavelength_light_->plane_sums(k, SampleGroup::all, false), 1);
   for (const ViewTargets* views : views_)
-    add_sums(frames_light_->view_sums(*views, false), std::pow(views->picture.pitch / pixels_.pitch, 2));
+    add_sums(wavelength_light_->view_sums(*views, false), std::pow(views->picture.pitch / pixels_.pitch, 2));
   fit_scale(all, 0);
   for (size_t k = 0; k < sums.size(); ++k)
     errors_[k] = powers_[k] - 2 * scale_ * sums[k].cross + scale_ * scale_ * sums[k].square;
@@ -76,9 +76,9 @@ void WavelengthDescent::add_views(const ViewTargets& views, double factor) {
   const double light = target_power(views);
   if (light == 0) return;
   constexpr double memory = 0.7;
-  const ModulusSums sums = frames_light_->view_sums(views, true);
+  const ModulusSums sums = wavelength_light_->view_sums(views, true);
   if (targets_.empty()) fit_scale(sums, memory);
-  const double error = frames_light_->add_gradient_of_views(views, scale_, factor / light);
+  const double error = wavelength_light_->add_gradient_of_views(views, scale_, factor / light);
   if (!targets_.empty()) return;
   for (size_t k = 0; k < views_.size(); ++k)
     if (views_[k]->z == views.z) errors_[k] = error / light * powers_[k];
@@ -95,13 +95,13 @@ void WavelengthDescent::fit_scale(const ModulusSums& turn, double memory) {
 void WavelengthDescent::add_planes(const std::vector<size_t>& planes, SampleGroup samples, double factor) {
   ModulusSums turn;
   for (const size_t plane : planes) {
-    const ModulusSums sums = frames_light_->plane_sums(plane, samples, true);
+    const ModulusSums sums = wavelength_light_->plane_sums(plane, samples, true);
     turn.cross += sums.cross;
     turn.square += sums.square;
   }
   // Of all planes, the sums need no others.
   fit_scale(turn, std::min(0.7, 1 - double(planes.size()) / double(targets_.size())));
-  for (const size_t plane : planes) errors_[plane] = frames_light_->add_gradient(plane, samples, scale_, factor);
+  for (const size_t plane : planes) errors_[plane] = wavelength_light_->add_gradient(plane, samples, scale_, factor);
 }
 
 }  // namespace holotrace

@@ -41,7 +41,7 @@ class WavelengthDescent {
   double light() const { return light_; }  ///< part of the panel's light in the targets when they were last judged
 
   /// Light of all frames on the panel.
-  void leave(const PanelDetail& detail = {}) { frames_light_->leave(detail); }
+  void leave(const PanelDetail& detail = {}) { wavelength_light_->leave(detail); }
 
   /// Error and sums of all planes for the levels of now.
   void judge();
@@ -69,7 +69,7 @@ class WavelengthDescent {
   double wavelength_;
   Grid pixels_;
   DrivenPanel panel_;
-  std::unique_ptr<WavelengthLight> frames_light_;
+  std::unique_ptr<WavelengthLight> wavelength_light_;
   std::vector<const TargetPlane*> targets_;
   std::vector<const ViewTargets*> views_;
   std::vector<double> errors_, powers_;  // of each plane or view: error from its last turn, and light of the target

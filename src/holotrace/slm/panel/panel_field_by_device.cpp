@@ -1,4 +1,4 @@
-#include "holotrace/slm/panel/leave_on_device.h"
+#include "holotrace/slm/panel/panel_field_by_device.h"
 
 #include <algorithm>
 #include <complex>
@@ -93,18 +93,18 @@ auto leave_where_chosen(const PanelModel& panel, const PanelPattern& pattern, co
 
 }  // namespace
 
-std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
-                                     const Observer& observer) {
+std::optional<Field> panel_field_by_device(const PanelModel& panel, const PanelPattern& pattern,
+                                           const DeviceChoice& choice, const Observer& observer) {
   return leave_where_chosen(panel, pattern, choice, true, observer,
                             [&](Device& device) { return leave_to_processor(device, panel, pattern); });
 }
 
-std::optional<LeftField> leave_to_device(const PanelModel& panel, const PanelPattern& pattern,
-                                         const DeviceChoice& choice, const Observer& observer) {
+std::optional<PanelField> panel_field_on_device(const PanelModel& panel, const PanelPattern& pattern,
+                                                const DeviceChoice& choice, const Observer& observer) {
   return leave_where_chosen(panel, pattern, choice, false, observer, [&](Device& device) {
     const auto with_power = [](auto field) {
       const double here = power(field);
-      return LeftField{std::move(field), here};
+      return PanelField{std::move(field), here};
     };
     return can_stay(device, panel) ? with_power(leave_there(device, panel, pattern))
                                    : with_power(leave_to_processor(device, panel, pattern));

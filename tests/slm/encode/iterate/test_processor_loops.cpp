@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "holotrace/base/random.h"
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 
 namespace holotrace {
 namespace {

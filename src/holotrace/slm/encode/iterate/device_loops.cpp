@@ -1,4 +1,4 @@
-#include "holotrace/slm/encode/iterate/descent_loops.h"
+#include "holotrace/slm/encode/iterate/device_loops.h"
 
 #include <fmt/format.h>
 

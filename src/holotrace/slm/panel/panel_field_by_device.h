@@ -29,18 +29,18 @@ struct PanelPattern {
 /// of columns; 8 bytes per sample come back.
 /// @return        nothing if the processor should do it
 /// @throws Error  for a device that is not there, and as PanelModel::leave and Device do
-std::optional<Field> leave_on_device(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
-                                     const Observer& observer = {});
+std::optional<Field> panel_field_by_device(const PanelModel& panel, const PanelPattern& pattern,
+                                           const DeviceChoice& choice, const Observer& observer = {});
 
 /// A field that left a panel, on the device that has computed it or, if it does not fit there, on the processor; and its
 /// power [W].
-struct LeftField {
+struct PanelField {
   std::variant<DeviceField, Field> field;
   double power = 0;
 };
 
 /// The same, but the field stays on the device if that has memory for it.
-std::optional<LeftField> leave_to_device(const PanelModel& panel, const PanelPattern& pattern,
-                                         const DeviceChoice& choice, const Observer& observer = {});
+std::optional<PanelField> panel_field_on_device(const PanelModel& panel, const PanelPattern& pattern,
+                                                const DeviceChoice& choice, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -6,7 +6,7 @@
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 
-// The pixel loops of iterations on an OpenCL device: those of iteration_loops.h and target_sums.h. Buffers hold
+// The pixel loops of iterations on an OpenCL device: those of processor_loops.h and target_sums.h. Buffers hold
 // floats or complex floats of `pixels`; they are in use until the device has finished.
 
 namespace holotrace {

@@ -1,7 +1,7 @@
-#include "holotrace/slm/encode/iterate/iteration_loops.h"
+#include "holotrace/slm/encode/iterate/processor_loops.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "holotrace/slm/encode/iterate/iteration_loops.cpp"
+#define HWY_TARGET_INCLUDE "holotrace/slm/encode/iterate/processor_loops.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

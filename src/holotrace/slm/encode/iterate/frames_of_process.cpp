@@ -16,17 +16,17 @@ namespace holotrace {
 namespace {
 
 // Process 0 adds up, and hands out.
-class ExchangeOfRank : public MeanExchange {
+class ExchangeWithFirst : public FrameExchange {
  public:
-  explicit ExchangeOfRank(ProcessLinks& links) : links_(links) {}
+  explicit ExchangeWithFirst(ProcessLinks& links) : links_(links) {}
 
   bool is_first() const override { return false; }
 
-  void add_up(float* values, size_t count) override {
+  void reduce_to_first(float* values, size_t count) override {
     links_.send(0, to_message(std::vector<float>(values, values + count)));
   }
 
-  void hand_out(float* values, size_t count) override {
+  void broadcast_from_first(float* values, size_t count) override {
     std::vector<float> received;
     from_message(links_.receive(0), received);
     require(received.size() == count, "expected {} values from rank 0, got {}", count, received.size());
@@ -38,7 +38,7 @@ class ExchangeOfRank : public MeanExchange {
 };
 
 // A wavelength: the light needs its panel, and its planes as places without targets.
-struct ColourOfOthers {
+struct WavelengthOfProcess {
   DrivenPanel panel;
   std::deque<TargetPlane> planes{};  // they stay where they are
   ViewTargets views{};               // the last ones
@@ -49,9 +49,9 @@ struct ColourOfOthers {
 struct Member {
   ProcessLinks& links;
   FrameJob job;
-  ExchangeOfRank exchange{links};
+  ExchangeWithFirst exchange{links};
   std::unique_ptr<FrameArrays> arrays{};
-  std::deque<ColourOfOthers> colours{};
+  std::deque<WavelengthOfProcess> colours{};
 };
 
 void make_arrays(Member& member) {
@@ -67,11 +67,11 @@ void make_arrays(Member& member) {
 void add_colour(Member& member, double wavelength) {
   const FrameJob& job = member.job;
   member.colours.push_back({DrivenPanel(job.slm, job.frames.front(), wavelength, job.params.subpixels)});
-  ColourOfOthers& colour = member.colours.back();
+  WavelengthOfProcess& colour = member.colours.back();
   colour.light = member.arrays->light_of(colour.panel, wavelength);
 }
 
-void add_plane(ColourOfOthers& colour, const FrameOrderMessage& message) {
+void add_plane(WavelengthOfProcess& colour, const FrameOrderMessage& message) {
   TargetPlane& plane = colour.planes.emplace_back();
   plane.z = message.z;
   plane.wavelength = message.wavelength;
@@ -95,7 +95,7 @@ void take_state(Member& member) {
 
 void obey(Member& member, const FrameOrderMessage& message) {
   FrameArrays& arrays = *member.arrays;
-  const auto colour = [&]() -> ColourOfOthers& { return member.colours.at(message.colour); };
+  const auto colour = [&]() -> WavelengthOfProcess& { return member.colours.at(message.colour); };
   switch (message.order) {
     case FrameOrder::light_of:
       return add_colour(member, message.wavelength);
@@ -136,7 +136,7 @@ void obey(Member& member, const FrameOrderMessage& message) {
 
 }  // namespace
 
-void find_frames_of_rank(ProcessLinks& links) {
+void optimise_frames_for_first_process(ProcessLinks& links) {
   Member member{links, job_from(links.receive(0))};
   for (Hologram& frame : member.job.frames) from_message(links.receive(0), frame);
   make_arrays(member);
