@@ -299,7 +299,11 @@ TEST(CommonCone, TheReportSaysWhatItCosts) {
   EXPECT_TRUE(warnings.empty());
   trace(white_wall(), panel, {720e-9, 450e-9}, params, observer);  // 0.609
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].find("all wavelengths use the cone of 450 nm, a half angle of 1.612°; 720 nm loses 61 %"), 0u)
+  EXPECT_EQ(
+      warnings[0].find(
+          "all wavelengths are limited to the acceptance cone of 450 nm (half angle 1.612°), which avoids a coloured "
+          "border; light at 720 nm loses 61 %"),
+      0u)
       << warnings[0];
   facts.clear();
   trace(white_wall(), panel, {532e-9}, params, observer);

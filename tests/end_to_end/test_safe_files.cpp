@@ -224,7 +224,7 @@ TEST(SafeFiles, AShorterSeriesOfHologramsLeavesNoneOfALongerOne) {
   EXPECT_TRUE(work.has("other_3.png"));
   work.write("h_3.png", third);  // as if it had been left
   expect_error(work, {"show", "h.png", "h_2.png", "h_3.png", "-o", "v.png", "--distance", "30 mm"},
-               "h.png is number 1 of 2, and h_3.png number 3 of 3");
+               "h.png is number 1 of a series of 2, and h_3.png is number 3 of a series of 3");
   expect_quiet_success(work, {"show", "h.png", "h_2.png", "other_3.png", "-o", "v.png", "--distance", "30 mm"});
 }
 

@@ -236,7 +236,7 @@ TEST(EncodeChecks, WarnsOfAnotherPlane) {
   Heard heard;
   encode(field, slm, {}, heard.observer());
   ASSERT_EQ(heard.warnings.size(), 1u);
-  EXPECT_NE(heard.warnings[0].find("the field is at z = 100 mm"), std::string::npos) << heard.warnings[0];
+  EXPECT_NE(heard.warnings[0].find("the field is in the plane z = 100 mm"), std::string::npos) << heard.warnings[0];
 }
 
 TEST(EncodePhase, APanelForALongerWaveKeepsItsEfficiency) {

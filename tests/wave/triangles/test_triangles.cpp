@@ -336,8 +336,8 @@ TEST(Triangles, ThatAreBadInputAreNamed) {
             "expected at least one triangle, got none; is the scene lit and in view?");
   EXPECT_EQ(error([](Triangles& t) {
               for (Vec3& c : t.triangles[0].corners) c.z = -1e-12;
-            }).substr(0, 58),
-            "expected triangles that come to 1048576 parts or fewer eac");
+            }).substr(0, 61),
+            "expected triangles that need 1048576 parts or fewer each, but");
 }
 
 TEST(Triangles, OutOfReachAreCounted) {
