@@ -100,10 +100,11 @@ class EncodeOnDevices : public test::StagesOnDevices {
   PlacedField there(const Field& field) const { return PlacedField(send(device_, field)); }
 
   // What an encoder does on the device with that memory for the field and itself.
-  EncodeForecast forecast(const EncodeCase& one, double memory) const {
+  EncodeForecast forecast(const EncodeCase& one, double memory) const { return forecast(one, memory, device_); }
+  static EncodeForecast forecast(const EncodeCase& one, double memory, const Device& device) {
     const Field head = head_of(Field(one.slm.grid, test_wavelength));
     const Hologram blank = blank_hologram(head, one.slm, one.params, {});
-    return forecast_encoding(device_, head, blank, PhaseLevels(one.slm, blank.levels, test_wavelength), one.params,
+    return forecast_encoding(device, head, blank, PhaseLevels(one.slm, blank.levels, test_wavelength), one.params,
                              memory);
   }
 
@@ -254,6 +255,17 @@ TEST_P(EncodeOnDevices, CountWhatKernelsReadAndWrite) {
   one.slm.grid = {200, 150, test_pitch};
   EXPECT_EQ(forecast(one, 1e12).use.bytes_moved, (3u * 8 + 2) * 30'000 + 16 * 150);
   EXPECT_EQ(forecast(one, 1e12).use.most_held, (8u + 2) * 30'000);
+}
+
+// A field of 240 kB goes in four parts to a device whose buffers have 70 kB at most, whatever its memory.
+TEST_P(EncodeOnDevices, TakeNoLargerBufferThanTheDeviceHas) {
+  EncodeCase one{"one"};
+  one.slm.grid = {200, 150, test_pitch};
+  DeviceInfo info = device_.info();
+  info.largest_buffer = 70e3;
+  const EncodeForecast parts = forecast(one, 1e12, Device(info, 1e12));
+  EXPECT_TRUE(parts.fits);
+  EXPECT_EQ(parts.parts, 4);
 }
 
 // With less than is forecast the field goes to the device in bands.
