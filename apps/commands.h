@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "flags.h"
+#include "holotrace/data/scene_colours.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 
@@ -53,16 +54,14 @@ inline void add_wavelength(CLI::App& command, std::string& text) {
   command
       .add_option("--wavelength", text,
                   "wavelength of the light; several for colour, for example \"638 nm, 520 nm, 450 nm\" [the input's; "
-                  "models: 638, 532 and 450 nm if they have colours, else 532 nm]")
+                  "models, and scenes that give none: 638, 532 and 450 nm if they have colours, else 532 nm]")
       ->type_name("LENGTHS");
 }
 
 /// Sets the wavelengths of a job by the text of `--wavelength`, which then were not chosen for it. An empty text changes nothing.
 /// @throws Error  for a text that is not a list of lengths above 0
 inline void set_wavelengths(const std::string& text, Job& job) {
-  if (text.empty()) return;
-  job.wavelengths = parse_lengths_flag("--wavelength", text, range::positive);
-  std::erase_if(job.chosen, [](const auto& choice) { return choice.parameter == "wavelength"; });
+  if (!text.empty()) set_wavelengths(parse_lengths_flag("--wavelength", text, range::positive), job);
 }
 
 /// Adds `--slm`, the name of a panel for load_slm. @param otherwise  the panel without the flag

@@ -15,6 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "scripts" / "pins"))
 
+from bench import LOCKED_CACHE  # noqa: E402
 from canonical import canonical  # noqa: E402
 from differences import describe, read_exr, read_hdf5, read_png  # noqa: E402
 from jobs import JOBS  # noqa: E402
@@ -60,6 +61,10 @@ def exr(values, columns, rows, is_packed):
 
 
 class Canonical(unittest.TestCase):
+    def test_a_locked_cache_is_known_by_the_programs_words(self):
+        source = (ROOT / "src" / "holotrace" / "io" / "files" / "cache_folder.cpp").read_text()
+        self.assertIn(LOCKED_CACHE, source.replace('"\n', "").replace('      "', ""))
+
     def same(self, name, a, b, **more):
         self.assertEqual(canonical(name, a.encode(), **more), canonical(name, b.encode(), **more))
 

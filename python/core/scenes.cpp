@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "holotrace/data/scene_colours.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/run/choose.h"
@@ -112,7 +113,7 @@ void bind_scenes(nb::module_& module) {
   });
   job.def_prop_rw(
       "wavelengths", [](const Job& j) { return j.wavelengths; },
-      [](Job& j, nb::handle wavelengths) { j.wavelengths = to_wavelengths(wavelengths); });
+      [](Job& j, nb::handle wavelengths) { set_wavelengths(to_wavelengths(wavelengths), j); });
   job.def_rw("slm", &Job::slm);
   job.def_ro("warnings", &Job::warnings);
   job.def_prop_ro("counts", [](const Job& j) {

@@ -23,7 +23,7 @@ INSTRUCTIONS = {"sse4": "sse4_1", "avx2": "avx2"}
 MODULES = {"python": "numpy, holotrace", "scipy": "numpy, scipy, holotrace", "torch": "numpy, torch, holotrace.torch"}
 
 # A cache was in use for too long: default rates and estimated plans of transforms round in another way.
-LOCKED_CACHE = "is locked by another program, which may be stopped; it is not used"
+LOCKED_CACHE = "has been locked by another program for 3 s and is not used"
 
 
 def output_of(command, **more):

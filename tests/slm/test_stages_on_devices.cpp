@@ -48,6 +48,18 @@ Bytes shown(const DeviceChoice& device, const Observer& observer) {
   return bytes_of(show(hologram, panel, params, {.wavelength = test_wavelength}, observer).samples.values);
 }
 
+Bytes four_frames(const DeviceChoice& device, const Observer& observer) {
+  EncodeParams params{.method = Encoding::sgd, .target_distances = {0.006, 0.009}, .iterations = 3};
+  params.device = device;
+  Bytes all;
+  for (const Hologram& frame :
+       encode_frames({picture_targets(panel, params)}, test_wavelength, 4, panel, params, observer)) {
+    const Bytes one = bytes_of(frame.level.values);
+    all.insert(all.end(), one.begin(), one.end());
+  }
+  return all;
+}
+
 const std::vector<Stage> stages{
     {"phase",
      [](const DeviceChoice& device, const Observer& observer) {
@@ -56,8 +68,8 @@ const std::vector<Stage> stages{
      500},
     {"gerchberg_saxton",
      [](const DeviceChoice& device, const Observer& observer) {
-       return encoded({.method = Encoding::gerchberg_saxton, .target_distances = {0.006}, .iterations = 3}, device,
-                      observer);
+       return encoded({.method = Encoding::gerchberg_saxton, .target_distances = {0.006, 0.009}, .iterations = 3},
+                      device, observer);
      },
      20e3},
     {"sgd",
@@ -65,6 +77,7 @@ const std::vector<Stage> stages{
        return encoded({.method = Encoding::sgd, .target_distances = {0.006}, .iterations = 3}, device, observer);
      },
      20e3},
+    {"sgd_of_four_frames", four_frames, 20e3},
     {"show", shown, 1e3}};
 
 class StagesOnADevice : public test::StagesOnDevices {

@@ -5,6 +5,8 @@
 #include <complex>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/spectrum.h"
@@ -85,6 +87,11 @@ void choose_wavelengths(Job& job) {
   for (const double wavelength : job.wavelengths) shown += (shown.empty() ? "" : ", ") + format_length(wavelength);
   job.chosen.push_back(
       {"wavelength", shown, job.wavelengths.size() > 1 ? "the scene has colours" : "the scene is grey"});
+}
+
+void set_wavelengths(std::vector<double> wavelengths, Job& job) {
+  job.wavelengths = std::move(wavelengths);
+  std::erase_if(job.chosen, [](const auto& choice) { return choice.parameter == "wavelength"; });
 }
 
 }  // namespace holotrace

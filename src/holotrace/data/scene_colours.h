@@ -17,4 +17,7 @@ std::vector<double> wavelengths_for(const Scene& scene);
 /// Gives a job the wavelengths for its scene, and lists them among what was chosen.
 void choose_wavelengths(Job& job);
 
+/// Sets the wavelengths of a job [m], which then were not chosen for it.
+void set_wavelengths(std::vector<double> wavelengths, Job& job);
+
 }  // namespace holotrace

@@ -29,6 +29,7 @@ void Device::read(const DeviceBuffer&, void*, size_t) { fail_without(); }
 void Device::run(const Kernel&, const WorkSize&, std::initializer_list<KernelArgument>) { fail_without(); }
 void Device::finish() { fail_without(); }
 DeviceUse Device::use() const { fail_without(); }
+double Device::memory() const { fail_without(); }
 double Device::memory_left() const { fail_without(); }
 double Device::free_memory() const { fail_without(); }
 void Device::limit_memory(double) { fail_without(); }

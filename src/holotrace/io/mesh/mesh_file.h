@@ -29,7 +29,7 @@ bool is_mesh_file(const std::string& path);
 /// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
 /// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse
 ///   texture beside the file, as Assimp reads them.
-/// - PLY: points without faces become small surfaces (io/mesh/point_solids.h). Faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
+/// - PLY: points without faces become small surfaces (add_point_solids in mesh_ply.cpp). Faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
 /// @param outside  whether the files that it names may lie outside its folder

@@ -18,7 +18,8 @@ namespace holotrace {
 /// A kernel of pixel_levels.cl.
 Kernel kernel_of_pixels(const char* name);
 
-/// Calls run(band, its first row, work size, buffer) for the levels of the pixels of each band, and fetches them. Transfers:
+/// Calls run(band, its first row, work size, buffer) for the levels of the pixels of each band, and fetches them, unless `to` has
+/// no values because the device only counts. Transfers:
 /// those of each_band, and 2 bytes per pixel come back.
 template <class Run>
 void fetch_levels(const DeviceSamples& field, Array2D<uint16_t>& to, const Run& run) {
@@ -26,7 +27,7 @@ void fetch_levels(const DeviceSamples& field, Array2D<uint16_t>& to, const Run& 
     const Grid& grid = band.head.grid;
     const DeviceBuffer levels = band.device->make_buffer(size_t(grid.pixels()) * sizeof(uint16_t), "levels");
     run(band, first, items_of_rows(grid.nx, grid.ny), levels);
-    band.device->read(levels, to.row(first), levels.bytes());
+    band.device->read(levels, to.size() > 0 ? to.row(first) : nullptr, levels.bytes());
   });
 }
 

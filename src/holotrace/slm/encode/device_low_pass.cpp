@@ -108,6 +108,7 @@ double PassingSpectrum::pass_columns(bool return_them) {
   }
   device_.finish();  // before the work space is released
   if (is_whole()) there_ = std::move(bins.samples);
+  columns_ = {};
   const double all = moments_.square * unit() * unit();
   return all > 0 ? inside / (all * double(grid_.pixels())) : 1.0;
 }

@@ -36,8 +36,9 @@ double largest_part(const DeviceField& field) {
   const Grid& grid = field.head.grid;
   const DeviceBuffer there = device.make_buffer(size_t(grid.ny) * sizeof(uint32_t), "the moments of a field");
   device.run(kernel_of_moduli("row_peaks"), groups_of_rows(grid.ny), {field.samples, int32_t(grid.nx), there});
-  const auto rows = device.fetch<uint32_t>(there);
-  return rows.empty() ? 0 : double(std::bit_cast<float>(*std::max_element(rows.begin(), rows.end())));
+  const auto rows = device.fetch<float>(there);  // bits have the order of the numbers
+  const auto is_less = [](float a, float b) { return std::bit_cast<uint32_t>(a) < std::bit_cast<uint32_t>(b); };
+  return rows.empty() ? 0 : double(*std::max_element(rows.begin(), rows.end(), is_less));
 }
 
 }  // namespace

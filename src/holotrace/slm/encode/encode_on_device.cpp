@@ -65,6 +65,23 @@ double room_for(const Device& device, const PlacedField& field) {
 
 }  // namespace
 
+namespace {
+
+// A hologram of that size without levels, for devices that only count.
+Hologram without_levels(const Hologram& blank) {
+  Hologram counted;
+  counted.grid = blank.grid;
+  counted.levels = blank.levels;
+  counted.wavelength = blank.wavelength;
+  counted.modulation = blank.modulation;
+  counted.encoder = blank.encoder;
+  counted.level.nx = blank.grid.nx;
+  counted.level.ny = blank.grid.ny;
+  return counted;
+}
+
+}  // namespace
+
 EncodeForecast forecast_encoding(const Device& device, const Field& head, const Hologram& blank,
                                  const PhaseLevels& levels, const EncodeParams& params, double memory) {
   EncodeForecast forecast;
@@ -73,7 +90,7 @@ EncodeForecast forecast_encoding(const Device& device, const Field& head, const 
     Device counter(device.info(), memory);
     DeviceSamples field{.device = &counter, .head = head, .parts = forecast.parts};
     if (forecast.parts == 1) field.there = std::make_shared<const DeviceField>(make_device_field(counter, head));
-    encode_there(field, blank, levels, params, {});
+    encode_there(field, without_levels(blank), levels, params, {});
     forecast.use = counter.use();
     forecast.fits =
         double(forecast.use.most_held) <= memory && double(forecast.use.largest_buffer) <= device.info().largest_buffer;
@@ -84,24 +101,27 @@ EncodeForecast forecast_encoding(const Device& device, const Field& head, const 
 std::optional<Hologram> encode_on(Device& device, const PlacedField& field, const Hologram& blank,
                                   const PhaseLevels& levels, const EncodeParams& params, const Observer& observer) {
   const Field& head = field.head();
-  const EncodeForecast forecast = forecast_encoding(device, head, blank, levels, params, room_for(device, field));
-  const double needed = double(forecast.use.most_held);
-  require(
-      forecast.fits,
-      "expected {} of memory for bands of a field of {} × {} samples on the device {}, got {}; use a smaller panel, or "
-      "the device cpu",
-      format_bytes(needed), head.grid.nx, head.grid.ny, device.info().name,
-      format_bytes(std::max(0.0, room_for(device, field))));
-  if (forecast.parts == 1) {
+  EncodeForecast forecast = forecast_encoding(device, head, blank, levels, params, room_for(device, field));
+  if (forecast.parts == 1 && forecast.fits) {
     const auto there = field.on(device, observer);
     const auto lock = device.lock();
-    make_room(device, needed - bytes_of(head));
+    make_room(device, double(forecast.use.most_held) - bytes_of(head));
     return encode_there(DeviceSamples::whole(there), blank, levels, params, observer);
   }
   const auto here = field.only_on_processor(observer);
   const auto lock = device.lock();
-  make_room(device, needed);
-  return encode_there(DeviceSamples::in_parts(device, here, forecast.parts), blank, levels, params, observer);
+  make_room(device, device.memory());
+  const double left = std::max(0.0, device.memory_left());
+  forecast = forecast_encoding(device, head, blank, levels, params, left);  // others may have used the device until now
+  require(
+      forecast.fits,
+      "expected {} of memory for bands of a field of {} × {} samples on the device {}, got {}; use a smaller panel, or "
+      "the device cpu",
+      format_bytes(double(forecast.use.most_held)), head.grid.nx, head.grid.ny, device.info().name, format_bytes(left));
+  const DeviceSamples samples = forecast.parts == 1
+                                    ? DeviceSamples::whole(std::make_shared<const DeviceField>(send(device, *here)))
+                                    : DeviceSamples::in_parts(device, here, forecast.parts);
+  return encode_there(samples, blank, levels, params, observer);
 }
 
 Device* fastest_to_encode(const PlacedField& field, const Hologram& blank, const PhaseLevels& levels,

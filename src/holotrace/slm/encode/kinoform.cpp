@@ -88,7 +88,7 @@ template <class AnyField>
 void encode_complex(const ShownPixels<AnyField>& shown, const PhaseLevels& levels, const Observer& observer,
                     Hologram& hologram) {
   write_phase_levels(shown.field, shown.is_conjugate, levels, hologram.level);
-  hologram.modulus_level = Array2D<uint16_t>(hologram.grid.ny, hologram.grid.nx);
+  hologram.modulus_level = hologram.level;  // of the same size
   encode_moduli(shown, observer, hologram.modulus_level, hologram);
 }
 

@@ -28,7 +28,7 @@ PanelBands plan_on(const Device& device, const PanelModel& panel) {
 double field_bytes(const PanelModel& panel) { return double(panel.head().grid.pixels()) * sizeof(std::complex<float>); }
 
 // The field, fetched column band by column band.
-Field leave_to_processor(Device& device, const PanelModel& panel, const PanelPattern& pattern) {
+Field field_here(Device& device, const PanelModel& panel, const PanelPattern& pattern) {
   Field field = panel.head();
   field.samples = Array2D<std::complex<float>>(field.grid.ny, field.grid.nx);
   std::vector<std::complex<float>> part;
@@ -45,7 +45,7 @@ Field leave_to_processor(Device& device, const PanelModel& panel, const PanelPat
 }
 
 // The field on the device.
-DeviceField leave_there(Device& device, const PanelModel& panel, const PanelPattern& pattern) {
+DeviceField field_there(Device& device, const PanelModel& panel, const PanelPattern& pattern) {
   BandedPanel there(device, panel);
   DeviceField field{&device, panel.head(), {}};
   const bool is_whole = plan_on(device, panel).is_whole();
@@ -67,8 +67,8 @@ bool can_stay(const Device& device, const PanelModel& panel) {
 
 // What leave(device) returns on the device of a choice, under its lock. @param returns  whether it fetches the field
 template <class Leave>
-auto leave_where_chosen(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice, bool returns,
-                        const Observer& observer, const Leave& leave) {
+auto compute_where_chosen(const PanelModel& panel, const PanelPattern& pattern, const DeviceChoice& choice,
+                          bool returns, const Observer& observer, const Leave& leave) {
   if (choice.kind != DeviceKind::cpu) panel.check_pattern(pattern.drive, pattern.modulus);
   const auto fastest = [&] {
     const PanelWork work = panel.work();
@@ -95,19 +95,19 @@ auto leave_where_chosen(const PanelModel& panel, const PanelPattern& pattern, co
 
 std::optional<Field> panel_field_by_device(const PanelModel& panel, const PanelPattern& pattern,
                                            const DeviceChoice& choice, const Observer& observer) {
-  return leave_where_chosen(panel, pattern, choice, true, observer,
-                            [&](Device& device) { return leave_to_processor(device, panel, pattern); });
+  return compute_where_chosen(panel, pattern, choice, true, observer,
+                              [&](Device& device) { return field_here(device, panel, pattern); });
 }
 
 std::optional<PanelField> panel_field_on_device(const PanelModel& panel, const PanelPattern& pattern,
                                                 const DeviceChoice& choice, const Observer& observer) {
-  return leave_where_chosen(panel, pattern, choice, false, observer, [&](Device& device) {
+  return compute_where_chosen(panel, pattern, choice, false, observer, [&](Device& device) {
     const auto with_power = [](auto field) {
       const double here = power(field);
       return PanelField{std::move(field), here};
     };
-    return can_stay(device, panel) ? with_power(leave_there(device, panel, pattern))
-                                   : with_power(leave_to_processor(device, panel, pattern));
+    return can_stay(device, panel) ? with_power(field_there(device, panel, pattern))
+                                   : with_power(field_here(device, panel, pattern));
   });
 }
 

@@ -42,7 +42,11 @@ DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
 }
 
 DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan) {
-  Device counter(device.info(), device.memory());
+  return device_propagation_cost(device, plan, device.memory());
+}
+
+DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan, double memory) {
+  Device counter(device.info(), memory);
   const auto make = [&](const Grid& grid) { return make_samples(counter, grid.ny, grid.nx); };
   DevicePropagator propagator(counter, plan);
   DevicePropagationCost cost;

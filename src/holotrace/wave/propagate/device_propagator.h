@@ -63,6 +63,8 @@ class DevicePropagator {
 };
 
 /// The cost of a plan: it is run on a device that only counts.
+/// @param memory  that the device has for it, of which long lines take work space [bytes]; by default all
+DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan, double memory);
 DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan);
 
 }  // namespace holotrace

@@ -92,7 +92,7 @@ DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& qu
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
   const DevicePropagationCost cost =
-      ready.propagator ? ready.propagator->cost : device_propagation_cost(device, *prepared.host);
+      ready.propagator ? ready.propagator->cost : device_propagation_cost(device, *prepared.host, device.memory_left());
   const double needed = cost.work - present + (ready.propagator ? 0 : cost.kept);
   if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? cost.kept : 0);  // this one was used last
   if (needed > device.memory_left() || cost.largest > device.info().largest_buffer) return nullptr;

@@ -58,7 +58,7 @@ TEST(PupilPropagation, WindowHoldsItsPartOnTheLatticeOfThePanel) {
     ASSERT_NEAR(column, std::round(column), 1e-9);
     ASSERT_NEAR(row, std::round(row), 1e-9);
     const Field u = random_field(slm.grid, 1);
-    const Field irradiance_factor =
+    const Field part_of_light =
         PupilPropagation(slm, test_wavelength, window, 0.3, {.aperture = PixelAperture::left_out}).to_eye(u);
     const Field light =
         PupilPropagation(slm, test_wavelength, wide, 0.3, {.aperture = PixelAperture::left_out}).to_eye(u);
@@ -66,7 +66,7 @@ TEST(PupilPropagation, WindowHoldsItsPartOnTheLatticeOfThePanel) {
     for (int j = 0; j < window.ny; ++j)
       for (int i = 0; i < window.nx; ++i) {
         const Complex there = light.samples(j + int(std::lround(row)), i + int(std::lround(column)));
-        error += std::norm(irradiance_factor.samples(j, i) - there);
+        error += std::norm(part_of_light.samples(j, i) - there);
         power += std::norm(there);
       }
     EXPECT_LT(std::sqrt(error / power), 1e-4) << nx;  // floats, of less light than the panel's whole

@@ -66,17 +66,27 @@ double seconds_on_processor(const Share& share) {
   return seconds * double(share.frames) * iterations_of(share.setup.params);
 }
 
-DescentWork work_on(const Device& device, const Share& share) {
+// What a propagation to each target takes on a device.
+using TargetCosts = std::vector<DevicePropagationCost>;
+
+TargetCosts costs_on(const Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup) {
+  TargetCosts costs;
+  for (const TargetPlane& target : targets)
+    costs.push_back(device_propagation_cost(
+        device, plan_propagator<float>(samples_of_panel(setup), target.wavelength, target.z, {})));
+  return costs;
+}
+
+DescentWork work_on(const Device& device, const Share& share, const TargetCosts& costs) {
   const EncodeParams& params = share.setup.params;
   const Grid grid = samples_of_panel(share.setup);
   const double of_light = sample * double(grid.pixels()), samples = share.samples(), updates = iterations_of(params),
                of_frames = double(share.frames) * updates;
   DescentWork work;
   double planes = 0, transforms = 0;  // planes of an update; memory of the transforms
-  for (const TargetPlane& target : share.targets) {
-    const double turns = turns_of(target, share.targets, params);
-    const DevicePropagationCost cost =
-        device_propagation_cost(device, plan_propagator<float>(grid, target.wavelength, target.z, {}));
+  for (size_t k = 0; k < costs.size(); ++k) {
+    const DevicePropagationCost& cost = costs[k];
+    const double turns = turns_of(share.targets[k], share.targets, params);
     work.moved += turns * of_frames * ((1 + samples) * cost.moved + 4 * of_light * samples);
     work.kept += cost.kept + 8 * double(grid.pixels());
     planes += turns;
@@ -102,16 +112,11 @@ DescentWork work_on(const Device& device, const Share& share) {
 // Starts of the kernels of an update, and waiting for its sums, on slow drivers [s].
 constexpr double seconds_to_start = 2e-3;
 
-double seconds_on(Device& device, const Share& share, size_t devices) {
+double seconds_on(Device& device, const Share& share, const TargetCosts& costs, size_t devices) {
   const DeviceRates rates = device_rates(device);
-  const DescentWork work = work_on(device, share);
+  const DescentWork work = work_on(device, share, costs);
   return work.moved / rates.moved_bytes + (work.kept * double(devices) + work.carried + work.exchanged) / rates.bytes +
          iterations_of(share.setup.params) * seconds_to_start;
-}
-
-double seconds_on(Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup, size_t frames,
-                  size_t devices) {
-  return seconds_on(device, {targets, setup, frames, (frames + devices - 1) / devices}, devices);
 }
 
 // Devices, the number of the first one's equals that do it in the least time, and that time.
@@ -122,7 +127,11 @@ struct DeviceCount {
 
 DeviceCount fastest_count(Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup,
                           size_t frames) {
-  DeviceCount best{1, seconds_on(device, targets, setup, frames, 1)};
+  const TargetCosts costs = costs_on(device, targets, setup);
+  const auto seconds_of = [&](size_t devices) {
+    return seconds_on(device, {targets, setup, frames, (frames + devices - 1) / devices}, costs, devices);
+  };
+  DeviceCount best{1, seconds_of(1)};
   const std::vector<int> open = open_devices();
   double opening = 0;
   size_t count = 1;
@@ -130,7 +139,7 @@ DeviceCount fastest_count(Device& device, const std::vector<TargetPlane>& target
     if (number == device.info().number) continue;
     if (++count > frames) break;
     if (std::find(open.begin(), open.end(), number) == open.end()) opening += seconds_to_open_device;
-    const double seconds = opening + seconds_on(device, targets, setup, frames, count);
+    const double seconds = opening + seconds_of(count);
     if (seconds < best.seconds) best = {count, seconds};
   }
   return best;
@@ -193,7 +202,8 @@ DeviceChoice common_device(const std::vector<TargetPlane>& targets, const Descen
   const Share share{targets, setup, frames.all, frames.own};
   // The processes of a machine have its cores together, and take turns on its devices if there are fewer of them.
   const Device* const fastest = fastest_device(place.count * seconds_on_processor(share), [&](Device& device) {
-    return processes_on(device.info().number, place) * seconds_on(device, share, 1);
+    return processes_on(device.info().number, place) *
+           seconds_on(device, share, costs_on(device, share.targets, share.setup), 1);
   });
   return fastest ? DeviceChoice{DeviceKind::opencl, fastest->info().number} : DeviceChoice{};
 }

@@ -60,7 +60,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
 // Updates until each plane of each colour has had its turn.
 int FrameDescent::updates_per_round() const {
   size_t most = 1;
-  for (const PlaneSchedule& turns : plane_schedules_) most = std::max(most, turns.updates_per_round());
+  for (const PlaneSchedule& planes : plane_schedules_) most = std::max(most, planes.updates_per_round());
   return int(most);
 }
 
@@ -168,7 +168,7 @@ void FrameDescent::each_number(const Work& work) {
   work(last_update_);
   work(ending_from_);
   for (const auto& colour : colours_) colour->each_number(work);
-  for (PlaneSchedule& turns : plane_schedules_) turns.each_number(work);
+  for (PlaneSchedule& planes : plane_schedules_) planes.each_number(work);
 }
 
 IterationState FrameDescent::state() {
@@ -198,8 +198,8 @@ void FrameDescent::restore(const IterationState& state) {
   size_t next = 0;
   each_number([&](auto& number) { number = std::decay_t<decltype(number)>(state.numbers[next++]); });
   arrays_->restore(state.arrays);
-  for (const PlaneSchedule& turns : plane_schedules_)
-    require(turns.are_sound(),
+  for (const PlaneSchedule& planes : plane_schedules_)
+    require(planes.are_sound(),
             "expected a state of gradient descent, but the order of its planes is damaged; remove the checkpoint");
 }
 
