@@ -107,7 +107,8 @@ class Device {
   /// For open_device.
   explicit Device(const DeviceInfo& info);
   /// A device of the same kind that only counts: an algorithm that is run on it forecasts its `use` of a real one with that
-  /// memory [bytes]. Buffers have a size but no content, kernels are not run, and what is read stays as it was.
+  /// memory [bytes]. Buffers have a size but no content, kernels are not run, and what is read stays as it was. It never refuses
+  /// memory, so memory_left() may be negative.
   Device(const DeviceInfo& info, double free_memory);
   ~Device();
   Device(const Device&) = delete;
