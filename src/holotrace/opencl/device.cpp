@@ -39,7 +39,7 @@ struct Device::State {
   bool only_counts = false;
   DeviceUse use;                       // but for bytes_held
   std::atomic<size_t> bytes_held = 0;  // forecasts read it while others use the device
-  double memory = 0;                   // that the device is said to have
+  std::atomic<double> memory = 0;      // that the device is said to have; forecasts read it, too
   bool has_guards = false;
   size_t most_groups = most_groups_across;
   size_t broken_guards = 0;
