@@ -212,6 +212,19 @@ def test_an_error_of_a_file_is_the_sentence_of_the_program(path, program_error):
     assert str(raised.value) == sentence
 
 
+def test_wavelengths_that_are_given_are_not_said_to_be_chosen():
+    scene = ht.Scene(
+        object=[{"type": "quad", "width": 2e-4, "height": 2e-4, "position": (0, 0, -0.03)}],
+        light=[{"type": "directional", "direction": (0, 0, -1), "irradiance": 1}],
+        slm={"columns": 64, "rows": 48, "pitch": 8e-6},
+        render={"paths": 1},
+        encode={"iterations": 2},
+    )
+    for tried, is_chosen in ((scene, True), (scene.replace(wavelength="600 nm"), False)):
+        chosen = [one["parameter"] for one in ht.run(tried).report.get("chosen", [])]
+        assert ("wavelength" in chosen) == is_chosen
+
+
 def test_scenes_survive_pickle_and_copy(scene):
     expected = ht.render(scene)
     for other in (pickle.loads(pickle.dumps(scene)), copy.copy(scene), copy.deepcopy(scene)):
