@@ -7,21 +7,16 @@
 
 #include "commands.h"
 #include "console.h"
-#include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/calibrate/fit_json.h"
 #include "holotrace/calibrate/fit_panel.h"
 #include "holotrace/calibrate/patterns.h"
 #include "holotrace/data/chart.h"
-#include "holotrace/io/calibration/panel_file.h"
-#include "holotrace/io/calibration/plan_file.h"
+#include "holotrace/io/calibration/calibration_files.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
-#include "holotrace/io/files/record_names.h"
 #include "holotrace/io/picture/chart_file.h"
-#include "say.h"
 
 namespace holotrace {
 namespace {

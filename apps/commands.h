@@ -1,11 +1,18 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "console.h"
 #include "flags.h"
-#include "holotrace/data/scene_colours.h"
+#include "holotrace/base/message_text.h"
+#include "holotrace/data/job.h"
+#include "holotrace/data/params/hologram.h"
+#include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 
@@ -75,5 +82,32 @@ inline void add_slm(CLI::App& command, std::string& name, const std::string& oth
 inline std::vector<std::string> field_extensions(bool is_double) {
   return is_double ? std::vector<std::string>{".npy", ".h5"} : std::vector<std::string>{".npy", ".h5", ".exr"};
 }
+
+/// load_job, with its warnings on stderr: for all commands but `run`, whose first stage reports them.
+/// @throws Error as load_job does
+inline Job load_scene(const std::string& path, Outside outside, const ModelParams& model = {},
+                      const std::string& slm = "") {
+  Job job = load_job(path, outside, model, slm);
+  for (const std::string& warning : job.warnings) say("warning: scene: {}\n", printable(warning));
+  return job;
+}
+
+/// Adds the flags that say what a hologram without metadata is, except the fields in `without`.
+inline void add_hologram_flags(CLI::App& command, Flags& flags, const std::set<std::string>& without = {}) {
+  flags.add(command, HologramParams(), without, "Holograms of other programs");
+}
+
+/// Gives the values of those flags to the functions that read holograms. `flags` must outlive what is returned.
+inline CompleteHologram apply_to_hologram(const Flags& flags) {
+  return [&flags](HologramParams& params) { flags.apply(params); };
+}
+
+using Json = nlohmann::ordered_json;
+
+/// Prints facts, one line each with name and value; or as JSON.
+void print_facts(const Json& facts, bool is_json);
+
+/// A number as JSON; null if it is infinite, such as the PSNR of equal images.
+inline Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 }  // namespace holotrace

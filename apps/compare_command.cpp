@@ -1,37 +1,103 @@
 // holotrace compare: the difference between two images, or two fields.
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "console.h"
-#include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/image.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
 #include "holotrace/io/run_folder.h"
-#include "holotrace/run/lit_part.h"
+#include "holotrace/run/reference_metrics.h"
+#include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/difference.h"
-#include "holotrace/view/profile.h"
-#include "holotrace/view/register/align_image.h"
+#include "holotrace/view/comparison_plots.h"
 #include "holotrace/view/register/register.h"
-#include "image_pair.h"
 
 namespace holotrace {
 namespace {
+
+/// Two images on the same pixels and with the same channels, and what was done to them.
+struct ImagePair {
+  Image reference, image;
+  Json facts = Json::object();
+  int rows = 0, columns = 0;            // size of the reference before it was cut
+  int first_row = 0, first_column = 0;  // first compared pixel of the reference
+};
+
+std::string size_text(const Image& image) { return fmt::format("{} × {}", image.nx, image.ny); }
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error) && !error;
+}
+
+// The light in which a render is seen, in words.
+std::string colour_text(const std::vector<double>& wavelengths) {
+  std::vector<std::string> texts;
+  for (const double wavelength : wavelengths) texts.push_back(format_length(wavelength));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+// Puts a render onto the pixels of a view of the same run. @return whether `render` is the render of `view`
+bool place_render(Image& render, const std::string& render_path, const Image& view, const std::string& view_path,
+                  Json& facts) {
+  const std::optional<RenderOfView> known = render_of_view(view_path);
+  if (!known || !(is_same_file(known->path, render_path) || is_same_file(known->radiance, render_path))) return false;
+  facts["placed"] = fmt::format("{} ({} pixels) on the {} pixels of {}, each the mean over its area, by report.json",
+                                render_path, size_text(render), size_text(view), view_path);
+  facts["colours"] = "light of " + colour_text(known->place.wavelengths);
+  render = render_at(render, known->place, view.ny, view.nx);
+  return true;
+}
+
+// If one of two images is grey, makes the other grey by its luminance, and adds that fact.
+void make_channels_equal(Image& a, Image& b, Json& facts) {
+  if (a.channels == b.channels) return;
+  a = luminance_of(a);
+  b = luminance_of(b);
+  facts["colours"] = "grey: luminance 0.2126 R + 0.7152 G + 0.0722 B of linear light";
+}
+
+// Loads a reference and an image. A render and a view of one run come together as in the run's report: the render in
+// the colours of the view's light, on the view's pixels. Other pictures are taken to show the same window; if their
+// sizes differ, the reference is brought to the image's pixels, each the mean over its area.
+// @throws Error  as load_image does, and for windows of different shapes
+ImagePair image_pair(const std::string& reference_path, const std::string& image_path) {
+  ImagePair pair{load_image(reference_path), load_image(image_path)};
+  Image &reference = pair.reference, &image = pair.image;
+  const bool is_placed = place_render(reference, reference_path, image, image_path, pair.facts) ||
+                         place_render(image, image_path, reference, reference_path, pair.facts);
+  if (!is_placed && (reference.nx != image.nx || reference.ny != image.ny)) {
+    const std::string size = size_text(reference);
+    reference = on_pixels_of(reference, image);
+    pair.facts["placed"] = fmt::format(
+        "{} ({} pixels) on the {} pixels of {}, each the mean over its area, as if both "
+        "showed one window",
+        reference_path, size, size_text(image), image_path);
+  }
+  make_channels_equal(reference, image, pair.facts);
+  pair.rows = reference.ny;
+  pair.columns = reference.nx;
+  return pair;
+}
 
 Json field_facts(const FieldDouble& reference, const FieldDouble& field) {
   const FieldMetrics m = compare(reference, field);

@@ -1,12 +1,31 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "holotrace/base/message_text.h"
 #include "holotrace/data/report.h"
+#include "holotrace/io/files/output_set.h"
 #include "holotrace/run/stage.h"
 
 namespace holotrace {
+
+/// Prints on standard error. A message that cannot be written, because a disk is full or a terminal is gone, is lost: it
+/// ends no work.
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);
+}
+
+/// Prints warnings on standard error.
+inline void say_warnings(const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences) say("warning: {}\n", printable(sentence));
+}
 
 /// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, no bars in a
 /// pipe, and every warning.
@@ -17,7 +36,7 @@ class Console {
   /// From here on, what happens is also in a file in that folder, for `holotrace view` (io/files/progress_file.h).
   void keep_progress_in(const std::string& folder);
 
-  /// From here on, the stages are also in that report file (io/report_file.h), written by finish(); "": none.
+  /// From here on, the stages are also in that report file (io/run_folder.h), written by finish(); "": none.
   void keep_report(const std::string& path);
 
   /// The observer of a stage; its bar ends when the next stage starts or on finish().
@@ -42,5 +61,9 @@ class Console {
   std::shared_ptr<KeptProgress> kept_;
   std::shared_ptr<KeptReport> report_;
 };
+
+/// Prints what a run did: a line per stage with its seconds and its main figures, its views in words, and the files that it
+/// wrote.
+void print_summary(const Report& report, const std::string& folder, const FileRecord& files);
 
 }  // namespace holotrace

@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "display/display_module.h"
 #include "flags.h"
-#include "hologram_flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "program_module.h"

@@ -13,17 +13,14 @@
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
-#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
-#include "holotrace/run/convergence.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/run/encode_job.h"
 #include "holotrace/slm/encode/target.h"
 #include "rank_links.h"
-#include "say.h"
 
 namespace holotrace {
 namespace {

@@ -6,12 +6,10 @@
 #include <memory>
 
 #include "commands.h"
-#include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "holotrace/run/estimate/cost_answer.h"
-#include "load_scene.h"
+#include "holotrace/run/estimate/job_estimate.h"
 
 namespace holotrace {
 namespace {

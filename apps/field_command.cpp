@@ -11,11 +11,10 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/field_series.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
@@ -29,10 +28,8 @@
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"
-#include "holotrace/wave/triangles/sum_triangles_exact.h"
-#include "load_scene.h"
+#include "holotrace/wave/triangles/sum_triangles.h"
 #include "ranks.h"
-#include "say.h"
 
 namespace holotrace {
 namespace {

@@ -13,7 +13,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/parameter.h"
-#include "holotrace/data/params/text_setter.h"
+#include "holotrace/data/params/parameter_texts.h"
 
 namespace holotrace {
 
@@ -118,5 +118,8 @@ class Flags {
   std::map<std::string, std::string> texts_;  // of the given flags, by field
   std::map<std::string, std::string> other_names_;
 };
+
+/// What is wrong with the arguments of the program, in one sentence, with the nearest known command or flag.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv);
 
 }  // namespace holotrace

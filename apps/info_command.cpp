@@ -5,19 +5,16 @@
 #include <memory>
 
 #include "commands.h"
-#include "facts.h"
-#include "hologram_flags.h"
-#include "holotrace/base/cpu.h"
+#include "console.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
-#include "holotrace/base/thread_count.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/device.h"
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/run_folder.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "say.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 
 namespace holotrace {
 namespace {

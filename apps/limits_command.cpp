@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "commands.h"
-#include "facts.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -18,12 +17,8 @@
 #include "holotrace/data/slm.h"
 #include "holotrace/estimate/alias_free.h"
 #include "holotrace/estimate/limits.h"
-#include "holotrace/estimate/limits_json.h"
-#include "holotrace/estimate/vision.h"
-#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
-#include "load_scene.h"
 
 namespace holotrace {
 namespace {

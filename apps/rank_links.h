@@ -34,4 +34,10 @@ class RankLinks : public ProcessLinks {
 /// The work of a rank other than rank 0, after its first message about frames.
 void serve_frames(Ranks& ranks, const Ranks::Message& first);
 
+/// The function of every rank other than rank 0: does what rank 0 asks for until it reports the end.
+void serve_ranks(Ranks& ranks);
+
+/// Lets the other ranks end, or ends them at once if they are working when the work has failed here.
+void dismiss_ranks(Ranks& ranks, int exit_code);
+
 }  // namespace holotrace

@@ -10,19 +10,15 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "hologram_flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
-#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/panel_hologram_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
-#include "holotrace/io/run/save_views.h"
+#include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/view_holograms.h"
-#include "say.h"
 
 namespace holotrace {
 namespace {

@@ -16,12 +16,10 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "hologram_flags.h"
 #include "holotrace/base/error.h"
-#include "holotrace/io/files/temporary_folder.h"
+#include "holotrace/io/files/folders.h"
 #include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/listener.h"
-#include "say.h"
 
 namespace holotrace {
 namespace {

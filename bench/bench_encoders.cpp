@@ -1,7 +1,7 @@
 // Iterations of the encoders on a full-HD panel, and one propagation of its size for comparison:
 //   build/release/bench/holotrace_bench --benchmark_filter='iteration|one_propagation'
 
-#include "holotrace/estimate/test_picture.h"
+#include "holotrace/estimate/picture_quality.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/wave/propagate/propagate.h"

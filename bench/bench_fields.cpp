@@ -2,7 +2,7 @@
 
 #include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/io/scene/slm_file.h"
-#include "holotrace/io/wisdom_file.h"
+#include "holotrace/io/user_cache.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/wave/propagate/propagate.h"

@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "holotrace/estimate/machine/timed_jobs.h"
-#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/estimate/machine/timing.h"
+#include "holotrace/wave/summation.h"
 #include "holotrace/wave/triangles/sum_triangles.h"
 
 namespace holotrace {

@@ -1,10 +1,10 @@
 // Summation of waves by itself, for profiling and for comparing two builds:
 //   build/release/bench/holotrace_bench --benchmark_filter=tiled --benchmark_repetitions=5
 
-#include "holotrace/base/instruction_set.h"
-#include "holotrace/estimate/machine/multiply_add_peak.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/summation.h"
 #include "holotrace/wave/synthesize.h"
 #include "jobs.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "holotrace/base/units.h"
-#include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/estimate/machine/timing.h"
 
 // The jobs of the benchmarks, and functions for their counters. Ceilings are those of holotrace bench
 // (docs/explanation/performance.md).

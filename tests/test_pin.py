@@ -62,7 +62,7 @@ def exr(values, columns, rows, is_packed):
 
 class Canonical(unittest.TestCase):
     def test_a_locked_cache_is_known_by_the_programs_words(self):
-        source = (ROOT / "src" / "holotrace" / "io" / "files" / "cache_folder.cpp").read_text()
+        source = (ROOT / "src" / "holotrace" / "io" / "files" / "folders.cpp").read_text()
         self.assertIn(LOCKED_CACHE, source.replace('"\n', "").replace('      "', ""))
 
     def same(self, name, a, b, **more):

@@ -10,8 +10,8 @@
 
 #include "bench/bench.h"
 #include "holotrace/data/shapes.h"
-#include "holotrace/estimate/grid_cost.h"
-#include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/estimate/cost.h"
+#include "holotrace/estimate/machine/timing.h"
 #include "holotrace/trace/geometry/accelerator.h"
 
 namespace holotrace {

@@ -7,7 +7,7 @@
 #include "bench/bench.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/ceilings.h"
-#include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/estimate/machine/timing.h"
 #include "holotrace/io/scene/slm_file.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/bench.h"
-#include "holotrace/estimate/machine/median_seconds.h"
+#include "holotrace/estimate/machine/timing.h"
 
 namespace holotrace {
 namespace {

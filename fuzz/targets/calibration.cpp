@@ -1,6 +1,6 @@
 // Tables of a panel'\''s calibration, and of refractive indices.
 #include "../reader.h"
-#include "holotrace/io/scene/scene_index.h"
+#include "holotrace/io/scene/scene_materials.h"
 #include "holotrace/io/scene/slm_file.h"
 
 using namespace holotrace;

@@ -1,7 +1,7 @@
 // JSON: metadata and reports.
 #include "../reader.h"
-#include "holotrace/base/printable.h"
-#include "holotrace/io/files/json_text.h"
+#include "holotrace/base/message_text.h"
+#include "holotrace/io/files/text.h"
 
 using namespace holotrace;
 

@@ -1,6 +1,5 @@
 // Requests of a browser: the head, who may ask, and the query with the settings of a view.
 #include "../reader.h"
-#include "holotrace/viewer/access.h"
 #include "holotrace/viewer/http.h"
 #include "holotrace/viewer/requests.h"
 

@@ -5,16 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "holotrace/calibrate/fit_json.h"
+#include "holotrace/calibrate/fit_panel.h"
 #include "holotrace/calibrate/patterns.h"
-#include "holotrace/estimate/limits_json.h"
-#include "holotrace/io/calibration/panel_file.h"
-#include "holotrace/io/calibration/plan_file.h"
-#include "holotrace/run/estimate/cost_answer.h"
+#include "holotrace/estimate/limits.h"
+#include "holotrace/io/calibration/calibration_files.h"
+#include "holotrace/run/estimate/job_estimate.h"
+#include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/register/align_image.h"
 #include "holotrace/view/register/register.h"
-#include "holotrace/view/render_at.h"
 #include "nouns.h"
 #include "params.h"
 #include "watch.h"

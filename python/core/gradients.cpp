@@ -7,7 +7,7 @@
 
 #include "arrays.h"
 #include "holotrace/slm/panel/panel_model.h"
-#include "holotrace/wave/propagate/adjoint.h"
+#include "holotrace/wave/propagate/propagator.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 #include "nouns.h"
 #include "params.h"

@@ -4,7 +4,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
-#include "holotrace/base/suggest.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"

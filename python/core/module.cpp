@@ -6,15 +6,12 @@
 #include <memory>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/estimate/machine/calibrate.h"
-#include "holotrace/estimate/machine/device_calibration.h"
-#include "holotrace/io/kept_programs.h"
-#include "holotrace/io/rates_file.h"
-#include "holotrace/io/wisdom_file.h"
-#include "holotrace/opencl/program_store.h"
+#include "holotrace/io/user_cache.h"
+#include "holotrace/opencl/device.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 #include "nouns.h"
 #include "watch.h"
 

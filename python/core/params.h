@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/suggest.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/data/params/parameter.h"
 #include "values.h"
 

@@ -4,7 +4,6 @@
 
 #include "arrays.h"
 #include "holotrace/denoise/denoise.h"
-#include "holotrace/denoise/find_denoiser.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/camera.h"

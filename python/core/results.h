@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/run/view_series.h"
+#include "holotrace/run/view_holograms.h"
 #include "nouns.h"
 
 // Results of verbs that make several things at once.

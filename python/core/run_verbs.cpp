@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "holotrace/io/files/folder_lock.h"
+#include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/output.h"
-#include "holotrace/io/report_file.h"
 #include "holotrace/io/run/save_run.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
 #include "results.h"

@@ -4,11 +4,11 @@
 
 #include <utility>
 
-#include "holotrace/data/scene_colours.h"
+#include "holotrace/data/job.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/run/choose.h"
-#include "holotrace/run/denoised_pictures.h"
+#include "holotrace/run/renders.h"
 #include "holotrace/run/scene_light.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/view/stereo.h"

@@ -3,7 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <toml++/toml.h>
 
-#include "holotrace/io/scene/scene_arrays.h"
+#include "holotrace/io/scene/scene_tables.h"
 
 namespace holotrace::python {
 

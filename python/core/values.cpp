@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
 

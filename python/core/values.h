@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/range.h"
+#include "holotrace/data/params/parameter.h"
 
 // Values of Python as the values of parameters: a number in SI units, or a text with its unit as on the command line.
 

@@ -5,7 +5,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/run/save_views.h"
+#include "holotrace/io/run/save_run.h"
 #include "holotrace/run/view_holograms.h"
 #include "holotrace/view/stereo.h"
 #include "params.h"

@@ -9,7 +9,6 @@
 
 #include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/fingerprint.h"
 #include "support/error_of.h"
 
 namespace holotrace {

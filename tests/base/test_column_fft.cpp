@@ -10,7 +10,7 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/column_fft.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 
 namespace holotrace {

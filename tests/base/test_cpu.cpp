@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "holotrace/base/cpu.h"
+#include "holotrace/base/machine.h"
 
 namespace holotrace {
 namespace {

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "holotrace/base/lasting_thread.h"
+#include "holotrace/base/own_threads.h"
 
 namespace holotrace {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 
 namespace holotrace {
 namespace {

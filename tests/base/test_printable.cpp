@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/base/printable.h"
+#include "holotrace/base/message_text.h"
 
 namespace holotrace {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/base/rotation.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/vec.h"
 
 namespace holotrace {
 namespace {

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/run_together.h"
+#include "holotrace/base/own_threads.h"
 #include "support/error_of.h"
 
 namespace holotrace {

@@ -11,7 +11,7 @@
 #include "holotrace/data/image.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/expose.h"
-#include "holotrace/view/sensor_noise.h"
+#include "holotrace/view/sensor.h"
 #include "holotrace/wave/propagate/propagate.h"
 
 // Photographs of patterns on a hidden panel, by a camera that is turned, scaled and shifted. The resampling to the

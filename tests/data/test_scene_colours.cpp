@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/data/scene_colours.h"
+#include "holotrace/data/job.h"
 
 namespace holotrace {
 namespace {

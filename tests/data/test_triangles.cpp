@@ -1,13 +1,15 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/data/sources.h"
-#include "holotrace/data/triangles.h"
 
 namespace holotrace {
 namespace {
 
 TEST(Triangles, AFrameHasItsRandomPhasesWhicheverFrameCameBefore) {
-  Triangles set{.wavelength = 532e-9, .phase_keys = {3, 12}, .seed = 7};
+  Triangles set;
+  set.wavelength = 532e-9;
+  set.phase_keys = {3, 12};
+  set.seed = 7;
   for (size_t i = 0; i < 2; ++i)  // in frame 0, as shading makes them: a phase of their own, and the random one
     set.triangles.push_back({.corners = {}, .phase = float(0.5 + double(i) + random_phase(7, 0, set.phase_keys[i]))});
   for (const uint32_t frame : {4u, 1u, 9u, 0u}) {

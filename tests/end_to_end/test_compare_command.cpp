@@ -9,7 +9,7 @@
 #include "end_to_end/scenes.h"
 #include "holotrace/data/image.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/view/register/align_image.h"
+#include "holotrace/view/register/register.h"
 #include "support/program.h"
 
 namespace holotrace::test {

@@ -5,7 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "holotrace/estimate/test_picture.h"
+#include "holotrace/estimate/picture_quality.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 

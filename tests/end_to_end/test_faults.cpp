@@ -7,7 +7,7 @@
 
 #include "end_to_end/faults.h"
 #include "end_to_end/scenes.h"
-#include "holotrace/io/report_file.h"
+#include "holotrace/io/run_folder.h"
 
 namespace holotrace::test {
 namespace {

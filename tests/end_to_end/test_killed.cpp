@@ -13,7 +13,7 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
+#include "holotrace/io/run_folder.h"
 #include "support/program.h"
 
 namespace holotrace::test {

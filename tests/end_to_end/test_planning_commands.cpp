@@ -13,7 +13,7 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/wave/propagate/direct_sum.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/png.h"
 #include "support/program.h"
 

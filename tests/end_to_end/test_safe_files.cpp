@@ -11,9 +11,9 @@
 #include "end_to_end/scenes.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
-#include "holotrace/io/files/folder_lock.h"
+#include "holotrace/io/files/folders.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
+#include "holotrace/io/run_folder.h"
 #include "support/png.h"
 #include "support/program.h"
 

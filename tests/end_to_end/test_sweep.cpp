@@ -7,7 +7,7 @@
 
 #include "end_to_end/scenes.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/run/view_series.h"
+#include "holotrace/run/view_holograms.h"
 #include "holotrace/run/viewing.h"
 #include "support/gif.h"
 #include "support/program.h"

@@ -15,7 +15,7 @@
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/illumination_plan.h"
 #include "holotrace/run/pipeline.h"
-#include "holotrace/run/view_series.h"
+#include "holotrace/run/view_holograms.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "holotrace/data/shapes.h"
-#include "holotrace/estimate/grid_cost.h"
+#include "holotrace/estimate/cost.h"
 
 namespace holotrace {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/random.h"
-#include "holotrace/estimate/picture_noise.h"
+#include "holotrace/estimate/picture_quality.h"
 #include "support/error_of.h"
 
 namespace holotrace {

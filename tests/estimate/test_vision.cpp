@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "holotrace/base/units.h"
-#include "holotrace/estimate/vision.h"
+#include "holotrace/estimate/limits.h"
 #include "support/panels.h"
 
 namespace holotrace {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "holotrace/io/calibration/panel_file.h"
+#include "holotrace/io/calibration/calibration_files.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
@@ -16,7 +16,7 @@
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
-#include "holotrace/io/report_file.h"
+#include "holotrace/io/run_folder.h"
 #include "support/panels.h"
 #include "support/temporary.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/kept_programs.h"
+#include "holotrace/io/user_cache.h"
 #include "support/temporary.h"
 
 namespace holotrace {

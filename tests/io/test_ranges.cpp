@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "support/bounds.h"
 #include "support/temporary.h"

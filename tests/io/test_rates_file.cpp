@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/rates_file.h"
+#include "holotrace/io/user_cache.h"
 #include "support/temporary.h"
 
 namespace holotrace {

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "holotrace/opencl/device.h"
-#include "holotrace/opencl/program_store.h"
 #include "support/devices.h"
 #include "support/faulty_api.h"
 #include "support/temporary.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/run/common_exposure.h"
+#include "holotrace/run/reference_metrics.h"
 
 namespace holotrace::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/run/convergence.h"
+#include "holotrace/run/encode_job.h"
 
 namespace holotrace {
 namespace {

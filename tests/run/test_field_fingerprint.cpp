@@ -3,7 +3,7 @@
 #include <functional>
 #include <set>
 
-#include "holotrace/run/field_fingerprint.h"
+#include "holotrace/run/scene_light.h"
 
 namespace holotrace {
 namespace {

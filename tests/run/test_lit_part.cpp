@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "holotrace/run/lit_part.h"
+#include "holotrace/run/reference_metrics.h"
 
 namespace holotrace::test {
 namespace {

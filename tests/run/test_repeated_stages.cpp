@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/run/repeated_stages.h"
+#include "holotrace/run/stage.h"
 
 namespace holotrace::test {
 namespace {

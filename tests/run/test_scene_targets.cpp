@@ -8,7 +8,6 @@
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
-#include "holotrace/run/target_planes.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"

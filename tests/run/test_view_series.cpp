@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "holotrace/run/view_series.h"
+#include "holotrace/run/view_holograms.h"
 #include "support/error_of.h"
 
 namespace holotrace::test {

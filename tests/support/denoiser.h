@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "holotrace/denoise/find_denoiser.h"
+#include "holotrace/denoise/denoise.h"
 
 namespace holotrace::test {
 

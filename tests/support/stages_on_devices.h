@@ -2,7 +2,7 @@
 
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 #include "support/devices.h"
 
 namespace holotrace::test {

@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include "holotrace/estimate/test_picture.h"
+#include "holotrace/estimate/picture_quality.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/slm/encode/target.h"

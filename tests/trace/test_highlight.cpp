@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"

@@ -4,7 +4,7 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/data/shapes.h"
-#include "holotrace/trace/lights/environment.h"
+#include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/materials/fresnel.h"
 #include "trace/follow.h"

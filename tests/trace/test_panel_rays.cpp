@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "holotrace/trace/panel_rays.h"
+#include "holotrace/trace/stack_planes.h"
 
 namespace holotrace {
 namespace {

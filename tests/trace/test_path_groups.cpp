@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/random.h"
-#include "holotrace/trace/lights/environment.h"
+#include "holotrace/trace/lights/emitters.h"
 #include "trace/follow.h"
 
 // Path expressions on light paths: the light of each path group.

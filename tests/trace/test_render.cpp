@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "holotrace/data/acceptance.h"
-#include "holotrace/trace/materials/texture.h"
+#include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"

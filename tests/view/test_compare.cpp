@@ -3,8 +3,7 @@
 #include <limits>
 
 #include "holotrace/view/compare.h"
-#include "holotrace/view/difference.h"
-#include "holotrace/view/structural_similarity.h"
+#include "holotrace/view/comparison_plots.h"
 #include "support/panels.h"
 
 namespace holotrace {

@@ -4,7 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/view/diffraction_limit.h"
+#include "holotrace/view/pupil_picture.h"
 
 namespace holotrace {
 namespace {

@@ -1,5 +1,5 @@
 #include "holotrace/slm/panel/show.h"
-#include "holotrace/view/order_efficiency.h"
+#include "holotrace/view/diffraction_orders.h"
 #include "support/panels.h"
 
 namespace holotrace {

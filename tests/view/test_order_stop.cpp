@@ -3,7 +3,7 @@
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/order_stop.h"
+#include "holotrace/view/diffraction_orders.h"
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "support/devices.h"
 #include "support/panels.h"

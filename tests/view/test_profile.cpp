@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/view/profile.h"
+#include "holotrace/view/comparison_plots.h"
 
 namespace holotrace {
 namespace {

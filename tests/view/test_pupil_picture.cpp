@@ -6,7 +6,6 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
-#include "holotrace/view/disc_area.h"
 #include "holotrace/view/pupil_picture.h"
 #include "trace/scenes.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/view/render_at.h"
+#include "holotrace/view/combine_views.h"
 #include "support/panels.h"
 
 namespace holotrace::test {

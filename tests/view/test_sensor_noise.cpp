@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "holotrace/view/sensor_noise.h"
+#include "holotrace/view/sensor.h"
 #include "support/panels.h"
 #include "support/statistics.h"
 

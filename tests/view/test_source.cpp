@@ -1,4 +1,4 @@
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/illumination.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/source_image.h"

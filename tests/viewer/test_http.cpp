@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/viewer/access.h"
 #include "holotrace/viewer/http.h"
 
 namespace holotrace::test {

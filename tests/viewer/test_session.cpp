@@ -14,7 +14,7 @@
 #include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "holotrace/run/view_series.h"
+#include "holotrace/run/view_holograms.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/random.h"
-#include "holotrace/wave/propagate/direct_sum.h"
 #include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace::test {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/random.h"
-#include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/wave/bands.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"

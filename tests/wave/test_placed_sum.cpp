@@ -12,7 +12,7 @@
 #include <set>
 #include <thread>
 
-#include "holotrace/base/thread_count.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/wave/summation.h"

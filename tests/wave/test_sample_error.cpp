@@ -5,7 +5,6 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/sum_exact.h"
 #include "support/fields.h"
 

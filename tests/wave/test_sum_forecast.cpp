@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-#include "holotrace/estimate/machine/timed_jobs.h"
+#include "holotrace/estimate/machine/timing.h"
 #include "holotrace/wave/summation.h"
 
 namespace holotrace {

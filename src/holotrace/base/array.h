@@ -5,7 +5,7 @@
 #include <vector>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include "holotrace/base/sanitized_allocator.h"
+#include "holotrace/base/sanitized.h"
 #else
 #include <tbb/cache_aligned_allocator.h>
 #endif

@@ -3,9 +3,21 @@
 #include <complex>
 #include <cstddef>
 
-// Loops over arrays of complex numbers, for every instruction set. Two arrays are the same or do not overlap.
-
 namespace holotrace {
+
+/// The product a·b without the special cases for infinities of the operator, which prevent vectorization.
+template <class Real>
+inline std::complex<Real> product(std::complex<Real> a, std::complex<Real> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// i·z.
+template <class Real>
+inline std::complex<Real> times_i(std::complex<Real> z) {
+  return {-z.imag(), z.real()};
+}
+
+// Loops over arrays of complex numbers, for every instruction set. Two arrays are the same or do not overlap.
 
 /// to[i] = a[i]·b[i]
 template <class Real>

@@ -1,4 +1,4 @@
-#include "holotrace/base/cpu.h"
+#include "holotrace/base/machine.h"
 
 #if defined(__x86_64__)
 #include <cpuid.h>

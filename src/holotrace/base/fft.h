@@ -80,4 +80,14 @@ struct FftWisdomStore {
 /// shares it. Without a store, plans are estimated: they are slower, and the same on every run.
 void set_fft_wisdom_store(FftWisdomStore store);
 
+/// The signed frequency of bin k of a transform of n samples, in cycles per n samples: 0, 1, …, −2, −1,
+/// as fftfreq orders them. The middle bin of an even n is −n/2.
+inline int signed_frequency(int k, int n) { return k < (n + 1) / 2 ? k : k - n; }
+
+/// The index in [0, size) that is equivalent to `index` (of any sign) in an array with the period `size`.
+template <class Integer>
+constexpr int wrapped(Integer index, int size) {
+  return int((index % size + size) % size);
+}
+
 }  // namespace holotrace

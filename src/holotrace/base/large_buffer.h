@@ -2,10 +2,14 @@
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
 #include <new>
+#include <utility>
+#include <vector>
 
 namespace holotrace {
 
@@ -30,6 +34,47 @@ class LargeBuffer {
     void operator()(T* data) const { std::free(data); }
   };
   std::unique_ptr<T[], Free> data_;
+};
+
+/// Buffers that outlive a call: each is lent to one call at a time; new ones are made if none is free. Thread-safe.
+class Workspace {
+ public:
+  struct Space {
+    explicit Space(size_t count) : buffer(count), count(count) {}
+    LargeBuffer<float> buffer;
+    size_t count;
+  };
+  class Loan {
+   public:
+    Loan(Workspace& owner, size_t floats) : owner_(owner) {
+      if (floats == 0) return;
+      const std::lock_guard lock(owner_.mutex_);
+      const auto fits = std::find_if(owner_.spaces_.begin(), owner_.spaces_.end(),
+                                     [&](const auto& space) { return space->count == floats; });
+      if (fits != owner_.spaces_.end()) {
+        space_ = std::move(*fits);
+        owner_.spaces_.erase(fits);
+      } else {
+        space_ = std::make_unique<Space>(floats);
+      }
+    }
+    ~Loan() {
+      if (!space_) return;
+      const std::lock_guard lock(owner_.mutex_);
+      owner_.spaces_.push_back(std::move(space_));
+    }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    float* data() { return space_ ? space_->buffer.data() : nullptr; }
+
+   private:
+    Workspace& owner_;
+    std::unique_ptr<Space> space_;
+  };
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Space>> spaces_;
 };
 
 }  // namespace holotrace

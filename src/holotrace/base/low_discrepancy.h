@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "holotrace/base/splitmix.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/vec.h"
 
 namespace holotrace {

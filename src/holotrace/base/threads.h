@@ -6,7 +6,7 @@
 #include "holotrace/base/observer.h"
 
 #if defined(__SANITIZE_THREAD__)
-#include "holotrace/base/sanitized_threads.h"
+#include "holotrace/base/sanitized.h"
 #else
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

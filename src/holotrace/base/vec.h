@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <string_view>
 
 namespace holotrace {
 
@@ -70,5 +72,9 @@ inline Frame frame_from_normal(Vec3 n) {
   const double a = -1 / (sign + n.z), b = n.x * n.y * a;
   return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n, {}};
 }
+
+/// The rotation of a text such as "y 30 deg", about an axis through the origin; nothing unless it begins with an axis.
+/// @throws Error  as parse_angle does
+std::optional<Frame> parse_rotation(std::string_view text);
 
 }  // namespace holotrace

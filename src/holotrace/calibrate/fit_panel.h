@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -72,5 +73,8 @@ struct PanelFit {
 ///                     patterns that are not found in their photographs, and a fit that does not converge
 PanelFit fit_panel(const CalibrationPlan& plan, const std::vector<Image>& photographs, const CalibrateParams& params,
                    const Observer& observer = {});
+
+/// What a fit found, by name: values with their standard errors, in the units of the names.
+nlohmann::ordered_json fit_json(const PanelFit& fit);
 
 }  // namespace holotrace

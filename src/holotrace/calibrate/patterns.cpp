@@ -10,7 +10,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 
 namespace holotrace {
 namespace {

@@ -11,7 +11,7 @@
 namespace holotrace {
 namespace {
 
-constexpr int block_side = 16;  // [pixels], as in view/register/refine.h
+constexpr int block_side = 16;  // [pixels], as in view/register/similarity_search.h
 constexpr double margin = 4;    // of the window, for steps of the camera's place [samples]
 constexpr size_t least_pixels = 1000;
 constexpr double most_saturated = 0.1;  // of the pixels brighter than the mean

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/calibrate/unknowns.h"
+#include "holotrace/calibrate/bench.h"
 #include "holotrace/data/image.h"
 #include "holotrace/view/register/channel.h"
 

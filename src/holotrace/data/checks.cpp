@@ -3,9 +3,12 @@
 #include <variant>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/chart.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/layers.h"
+#include "holotrace/data/light_field.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/data/sources.h"
 
@@ -157,6 +160,101 @@ void check_scene(const Scene& scene) {
             "expected finite numbers in point {}, got position ({}, {}, {}) m, amplitude {}, phase {}", i, p.position.x,
             p.position.y, p.position.z, p.amplitude, p.phase);
     require(p.position.z != 0, "expected point {} behind the panel (z < 0) or in front of it (z > 0), got z = 0 m", i);
+  }
+}
+
+namespace {
+
+std::string name_of(const Chart& chart, size_t n) {
+  const std::string& name = chart.series[n].name;
+  return fmt::format("series {}{} of the chart \"{}\"", n + 1, name.empty() ? "" : " \"" + name + "\"", chart.title);
+}
+
+void check_coordinate(double value, bool is_log, const char* axis, const std::string& where) {
+  require(std::isfinite(value), "expected finite {} in {}, got {}; leave out what has no value", axis, where, value);
+  require(!is_log || value > 0, "expected {} above 0 in {}, whose axis is logarithmic, got {}", axis, where, value);
+}
+
+}  // namespace
+
+void check_chart(const Chart& chart) {
+  bool has_points = false;
+  for (size_t n = 0; n < chart.series.size(); ++n) {
+    const Series& s = chart.series[n];
+    require(s.x.size() == s.y.size(), "expected as many x as y in {}, got {} and {}", name_of(chart, n), s.x.size(),
+            s.y.size());
+    require(s.has_line || s.has_markers, "expected a line or markers in {}, got neither", name_of(chart, n));
+    for (size_t i = 0; i < s.x.size(); ++i) {
+      const std::string where = fmt::format("point {} of {}", i + 1, name_of(chart, n));
+      check_coordinate(s.x[i], chart.is_log_x, "x", where);
+      check_coordinate(s.y[i], chart.is_log_y, "y", where);
+    }
+    has_points |= !s.x.empty();
+  }
+  require(has_points, "expected a chart with points to draw, got \"{}\" without any", chart.title);
+  for (const ChartLabel& label : chart.labels) {
+    const std::string where = fmt::format("the label \"{}\" of the chart \"{}\"", label.text, chart.title);
+    check_coordinate(label.x, chart.is_log_x, "x", where);
+    check_coordinate(label.y, chart.is_log_y, "y", where);
+  }
+}
+
+void check_focal_stack(const FocalStack& stack) {
+  check_grid(stack.grid);
+  require(!stack.distances.empty(), "expected a focal stack of at least one plane, got none");
+  require(stack.pictures.size() == stack.distances.size(),
+          "expected a picture for each of the {} planes of the focal stack, got {}", stack.distances.size(),
+          stack.pictures.size());
+  const int channels = stack.pictures.front().channels;
+  require(channels == 1 || channels == 3, "expected a focal stack of 1 or 3 channels, got {}", channels);
+  for (size_t k = 0; k < stack.pictures.size(); ++k) {
+    require(std::isfinite(stack.distances[k]) && stack.distances[k] != 0,
+            "expected plane {} of the focal stack behind the panel or in front of it, got {}", k + 1,
+            format_length(stack.distances[k]));
+    const Image& picture = stack.pictures[k];
+    require(picture.nx == stack.grid.nx && picture.ny == stack.grid.ny && picture.channels == channels &&
+                picture.values.size() == size_t(stack.grid.pixels()) * size_t(channels),
+            "expected {} x {} pixels and {} channel(s) in plane {} of the focal stack, got {} x {} and {}",
+            stack.grid.nx, stack.grid.ny, channels, k + 1, picture.nx, picture.ny, picture.channels);
+    for (const float value : picture.values)
+      require(std::isfinite(value) && value >= 0,
+              "expected finite radiance of 0 or more in plane {} of the focal stack, got {}", k + 1, value);
+  }
+}
+
+namespace {
+
+void check_slice(const Slice& slice, size_t index, const Layers& layers) {
+  const Field& light = slice.light;
+  check_grid(light.grid);
+  require(std::isfinite(light.z), "expected slice {} at a finite place, got z = {} m", index, light.z);
+  require(light.wavelength == layers.wavelength && light.grid.pitch == layers.slices.front().light.grid.pitch,
+          "expected slices of one wavelength and pitch, {} and {}, got {} and {} in slice {}",
+          format_length(layers.wavelength), format_length(layers.slices.front().light.grid.pitch),
+          format_length(light.wavelength), format_length(light.grid.pitch), index);
+  require(light.samples.nx == light.grid.nx && light.samples.ny == light.grid.ny,
+          "expected {} × {} samples in slice {}, got {} × {}", light.grid.nx, light.grid.ny, index, light.samples.nx,
+          light.samples.ny);
+  require(slice.mask.size() == 0 || (slice.mask.nx == light.grid.nx && slice.mask.ny == light.grid.ny),
+          "expected a mask of {} × {} samples in slice {}, or none, got {} × {}", light.grid.nx, light.grid.ny, index,
+          slice.mask.nx, slice.mask.ny);
+  for (const std::complex<float>& u : light.samples.values)
+    require(std::isfinite(u.real()) && std::isfinite(u.imag()), "expected finite samples in slice {}, got {} + {}i",
+            index, u.real(), u.imag());
+  for (const float m : slice.mask.values)
+    require(m >= 0 && m <= 1, "expected a mask in [0, 1] in slice {}, got {}", index, m);
+}
+
+}  // namespace
+
+void check_layers(const Layers& layers) {
+  check_wavelength(layers.wavelength);
+  require(!layers.slices.empty(), "expected at least one slice, got none");
+  for (size_t i = 0; i < layers.slices.size(); ++i) {
+    check_slice(layers.slices[i], i, layers);
+    require(i == 0 || layers.slices[i].depth() <= layers.slices[i - 1].depth(),
+            "expected slices from far to near, got slice {} at {} after one at {}", i,
+            format_length(layers.slices[i].depth()), i == 0 ? "" : format_length(layers.slices[i - 1].depth()));
   }
 }
 

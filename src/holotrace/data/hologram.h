@@ -82,4 +82,10 @@ inline double illumination_at(const Hologram& hologram, double wavelength) {
   return hologram.illumination;
 }
 
+/// A hologram, and the panel that shows it.
+struct PanelHologram {
+  Hologram hologram;  ///< with its pitch and wavelength
+  Slm slm;
+};
+
 }  // namespace holotrace

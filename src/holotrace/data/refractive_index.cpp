@@ -5,7 +5,7 @@
 #include <span>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/suggest.h"
+#include "holotrace/base/message_text.h"
 
 namespace holotrace {
 

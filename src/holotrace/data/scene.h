@@ -121,7 +121,7 @@ struct Environment {
   double turn = 0;                     ///< rotation of the map about +y, right-handed [rad]
 };
 
-/// A luminous point, a source of one wave, as bright as a surface of the radiance amplitude² (point_strength.h).
+/// A luminous point, a source of one wave, as bright as a surface of the radiance amplitude² (acceptance.h).
 struct ScenePoint {
   Vec3 position;        ///< [m]
   float amplitude = 1;  ///< square root of its radiance [√(W/m²/sr)]

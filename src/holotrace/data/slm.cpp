@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/suggest.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
 
 namespace holotrace {

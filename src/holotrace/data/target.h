@@ -6,9 +6,14 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/pupil.h"
 
 namespace holotrace {
+
+/// The round entrance of an eye or a camera, parallel to the panel and in front of it; light beside it is blocked.
+struct Pupil {
+  Vec3 centre;          ///< [m], z > 0
+  double diameter = 0;  ///< [m]
+};
 
 /// The light that a hologram should show in one target plane: the modulus of the field, at any phase and scale.
 struct TargetPlane {

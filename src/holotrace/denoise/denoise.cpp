@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/thread_count.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/denoise/oidn.h"
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+
+#include "holotrace/base/error.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/image.h"
 
@@ -39,11 +42,24 @@ bool is_grey(const Image& image);
 /// @return          a picture of the same size, pitch and place, with values of 0 or more; the same bytes on any number of
 ///                  threads
 /// @throws Error    for other pictures and guides, and if memory does not suffice; NoDenoiser without the library
-///                  (find_denoiser.h)
 ///
 /// Cost: on one core 2.7 µs for each pixel of the part with light (fast: 1.5 µs), and up to 1.2 GB of memory (fast: 0.4
 /// GB).
 Image denoise(const Image& radiance, const DenoiseGuides& guides = {}, DenoiseQuality quality = DenoiseQuality::high,
               const Observer& observer = {});
+
+/// Pictures cannot be denoised on this machine.
+class NoDenoiser : public Error {
+ public:
+  NoDenoiser(const std::string& sentence, bool is_broken) : Error(sentence), is_broken(is_broken) {}
+  bool is_broken;  ///< a library was found, or named by HOLOTRACE_OIDN, but cannot be used
+};
+
+/// Name and version of the library that denoises pictures: "Open Image Denoise 2.5.1".
+/// @throws NoDenoiser  if there is none, or none of version 2.3 to 2.x
+std::string find_denoiser();
+
+/// Names a folder in which the library is looked for, before the system's.
+void look_for_denoiser_in(const std::string& folder);
 
 }  // namespace holotrace

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "holotrace/denoise/find_denoiser.h"
+#include "holotrace/denoise/denoise.h"
 
 namespace holotrace {
 namespace {

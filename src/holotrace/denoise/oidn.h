@@ -43,7 +43,7 @@ struct OpenOidn {
 };
 
 /// Opens the library where README.md says it is looked for.
-/// @throws NoDenoiser  (find_denoiser.h)
+/// @throws NoDenoiser  (denoise.h)
 OpenOidn open_oidn();
 
 }  // namespace holotrace

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "holotrace/data/panel_hologram.h"
+#include "holotrace/data/hologram.h"
 #include "holotrace/io/field/hologram_file.h"
 
 namespace holotrace {

@@ -1,13 +1,114 @@
 #include "holotrace/io/run_folder.h"
 
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/progress_file.h"
-#include "holotrace/io/report_file.h"
 
 namespace holotrace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json versions() { return {{"holotrace", HOLOTRACE_VERSION}, {"fftw", fft_library_version()}}; }
+
+// A report as JSON; empty if there is none at the path. It is an output, so read_text, which notes inputs, is not used.
+nlohmann::json read_report(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return nlohmann::json::object();
+  std::ifstream file(path, std::ios::binary);
+  return nlohmann::json::parse(file, nullptr, false);
+}
+
+}  // namespace
+
+nlohmann::ordered_json report_json(const Report& report) {
+  nlohmann::ordered_json json;
+  json["versions"] = versions();
+  json["seed"] = report.seed;
+  for (const Chosen& one : report.chosen)
+    json["chosen"].push_back({{"parameter", one.parameter}, {"value", one.value}, {"why", one.why}});
+  double total = 0;
+  for (const StageReport& stage : report.stages) {
+    nlohmann::ordered_json entry{{"stage", stage.stage}, {"seconds", stage.seconds}};
+    for (const auto& [name, fact] : stage.facts) std::visit([&, &key = name](const auto& v) { entry[key] = v; }, fact);
+    for (const auto& [name, values] : stage.curves) entry[name] = values;
+    entry["warnings"] = stage.warnings;
+    json["stages"].push_back(entry);
+    total += stage.seconds;
+  }
+  json["seconds"] = total;
+  return json;
+}
+
+void save_report(const std::string& path, const Report& report, const FileRecord& files) {
+  nlohmann::ordered_json json = report_json(report);
+  if (!files.empty()) {
+    json["complete"] = true;
+    json["files"] = record_json(files);
+  }
+  write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void save_incomplete_report(const std::string& path, const FileRecord& files) {
+  const nlohmann::ordered_json json{
+      {"versions", versions()}, {"complete", false}, {"files", record_json(files)}, {"stages", Json::array()}};
+  write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+std::optional<RenderOfView> render_of_view(const std::string& view) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(view).parent_path();
+  const nlohmann::json report = read_report((folder / "report.json").string());
+  if (!report.is_object() || !report.contains("stages") || !report["stages"].is_array()) return std::nullopt;
+  const FileRecord files = report_record((folder / "report.json").string());
+  const auto is_recorded = [&](const std::string& path) {
+    std::error_code error;
+    const auto bytes = fs::file_size(path, error);
+    return !error && files.count({fs::path(path).filename().string(), bytes}) > 0;
+  };
+  int64_t number = 0;
+  for (const nlohmann::json& stage : report["stages"]) {
+    if (!stage.is_object() || !stage.contains("render_half_tangent")) continue;
+    if (numbered_path((folder / run_view).string(), size_t(number++)) != (folder / fs::path(view).filename()).string())
+      continue;
+    RenderOfView found;
+    try {
+      visit_place([&](const char* name, auto& value) { stage.at(name).get_to(value); }, found.place);
+      stage.at(place_wavelengths).get_to(found.place.wavelengths);
+    } catch (const nlohmann::json::exception&) {
+      return std::nullopt;
+    }
+    const ViewPlace& p = found.place;
+    if (p.render < 1 || p.wavelengths.empty() || !(p.half_tangent > 0) || !(std::abs(p.distance) > 0) || !(p.pixel > 0))
+      return std::nullopt;
+    found.path = numbered_path((folder / run_render).string(), size_t(p.render - 1));
+    if (!is_recorded(view) || !is_recorded(found.path)) return std::nullopt;
+    found.radiance = numbered_path((folder / run_radiance).string(), size_t(p.render - 1));
+    if (!is_recorded(found.radiance)) found.radiance.clear();
+    return found;
+  }
+  return std::nullopt;
+}
+
+bool is_report(const std::string& path) { return read_report(path).contains("versions"); }
+
+bool is_incomplete_report(const std::string& path) {
+  const nlohmann::json report = read_report(path);
+  return report.is_object() && report.contains("complete") && report["complete"] == false;
+}
+
+FileRecord report_record(const std::string& path) {
+  const nlohmann::json report = read_report(path);
+  return report.contains("versions") && report.contains("files") ? record_from(report["files"]) : FileRecord();
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,8 +1,7 @@
-#include "holotrace/opencl/device_info.h"
-
 #include <algorithm>
 
 #include "holotrace/base/error.h"
+#include "holotrace/opencl/device.h"
 
 namespace holotrace {
 

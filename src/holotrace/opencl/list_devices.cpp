@@ -3,7 +3,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/opencl/api.h"
-#include "holotrace/opencl/handles.h"
+#include "holotrace/opencl/program.h"
 
 namespace holotrace {
 namespace {

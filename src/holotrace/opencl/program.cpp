@@ -1,7 +1,7 @@
 #include "holotrace/opencl/program.h"
 
 #include "holotrace/base/error.h"
-#include "holotrace/opencl/program_store.h"
+#include "holotrace/opencl/device.h"
 
 namespace holotrace {
 namespace {

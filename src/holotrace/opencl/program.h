@@ -3,14 +3,25 @@
 #include <map>
 #include <string>
 
-#include "holotrace/opencl/handles.h"
+#include "holotrace/opencl/api.h"
+#include "holotrace/opencl/device.h"
 
 // Only files of this room include this header.
 
 namespace holotrace {
 
+struct DeviceHandles {
+  cl_platform_id platform;
+  cl_device_id device;
+};
+
+/// Those of a device of list_devices.
+DeviceHandles handles_of(int number);
+
+// Only files of this room include this header.
+
 /// The kernels of one device, each compiled when it is first asked for. Compiled programs are kept between runs of the
-/// program by set_program_store (program_store.h).
+/// program by set_program_store (device.h).
 class Programs {
  public:
   Programs(const DeviceInfo& info, cl_device_id device, cl_context context);

@@ -2,7 +2,6 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/opencl/device.h"
-#include "holotrace/opencl/program_store.h"
 
 namespace holotrace {
 namespace {

@@ -1,19 +1,17 @@
-#include "holotrace/run/check_job.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/pipeline.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/blank_hologram.h"
-#include "holotrace/slm/encode/stop.h"
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/shade_triangles.h"
 

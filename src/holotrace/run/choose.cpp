@@ -10,10 +10,9 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/changed.h"
-#include "holotrace/denoise/find_denoiser.h"
+#include "holotrace/data/params/parameter_texts.h"
+#include "holotrace/denoise/denoise.h"
 #include "holotrace/run/scene_targets.h"
-#include "holotrace/run/target_planes.h"
 #include "holotrace/slm/encode/frame_start.h"
 #include "holotrace/trace/depth_range.h"
 #include "holotrace/view/camera.h"

@@ -5,11 +5,12 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/base/process_links.h"
+#include "holotrace/data/chart.h"
 #include "holotrace/data/checkpoint.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/focal_stack.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/image.h"
+#include "holotrace/data/light_field.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/report.h"
 #include "holotrace/data/slm.h"
@@ -61,5 +62,12 @@ Slm panel_for(const Grid& grid, Encoding method);
 /// @throws Error  as encode, encode_targets and encode_frames do
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
                                  Report& report, const StageObserver& watch = {});
+
+/// Whether a stage of the report iterated and recorded its error (the curve "convergence").
+bool has_convergence(const Report& report);
+
+/// Chart of every stage that iterated: its squared error as a fraction of the target power, in decibels (10·log₁₀),
+/// against the number of the iteration. Errors of 0 have no place on that scale and are left out.
+Chart convergence_chart(const Report& report);
 
 }  // namespace holotrace

@@ -8,15 +8,13 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/scene_targets.h"
-#include "holotrace/run/target_planes.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/driven_panel.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/view/combine_views.h"
-#include "holotrace/view/diffraction_limit.h"
 #include "holotrace/view/pupil_picture.h"
 
 namespace holotrace {

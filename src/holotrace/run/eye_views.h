@@ -7,9 +7,8 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/job.h"
 #include "holotrace/data/light_field.h"
-#include "holotrace/data/pupil.h"
 #include "holotrace/data/target.h"
-#include "holotrace/run/viewpoints.h"
+#include "holotrace/run/viewing.h"
 
 namespace holotrace {
 
@@ -61,7 +60,7 @@ struct EyeboxLight {
 };
 EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames);
 
-/// The viewpoints of a job: those of its camera (viewpoints.h); and for each eye, the one of an eye on its right whose pupil touches
+/// The viewpoints of a job: those of its camera (viewing.h); and for each eye, the one of an eye on its right whose pupil touches
 /// the light of its eyebox from outside, at the first distance of the camera.
 std::vector<Viewpoint> viewpoints_of(const Job& job);
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "holotrace/base/units.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/slm/panel/illumination.h"
 #include "holotrace/view/camera.h"
 

@@ -8,7 +8,7 @@
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/run/viewing.h"
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/illumination.h"
 
 namespace holotrace {
 
@@ -19,7 +19,7 @@ struct IlluminationPlan {
   std::string why;  ///< empty for coherent light
 };
 
-/// The states of partly coherent light (slm/panel/illumination_states.h): params.illumination_states, or for 0
+/// The states of partly coherent light (slm/panel/illumination.h): params.illumination_states, or for 0
 /// as many as the views need.
 ///
 /// A source of full angle α blurs the plane at z over a disc of diameter α·z. This is a convolution of the irradiance

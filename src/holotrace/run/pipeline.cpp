@@ -9,18 +9,14 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/encode.h"
-#include "holotrace/data/view_place.h"
+#include "holotrace/data/report.h"
 #include "holotrace/run/choose.h"
-#include "holotrace/run/common_exposure.h"
-#include "holotrace/run/denoised_pictures.h"
 #include "holotrace/run/encode_job.h"
 #include "holotrace/run/eye_views.h"
-#include "holotrace/run/lit_part.h"
 #include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
-#include "holotrace/run/repeated_stages.h"
-#include "holotrace/run/scene_references.h"
 #include "holotrace/run/scene_targets.h"
+#include "holotrace/run/stage.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/encode.h"
@@ -28,7 +24,6 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/render_at.h"
 
 namespace holotrace {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -12,11 +13,10 @@
 #include "holotrace/data/job.h"
 #include "holotrace/data/report.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/run/check_job.h"
 #include "holotrace/run/scene_light.h"
 #include "holotrace/run/stage.h"
-#include "holotrace/run/view_series.h"
-#include "holotrace/run/viewpoints.h"
+#include "holotrace/run/view_holograms.h"
+#include "holotrace/run/viewing.h"
 
 namespace holotrace {
 
@@ -67,10 +67,26 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// The states of those optimisations are kept by `checkpoint_of`; a run that goes on traces the focal stack again.
 ///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
-/// all, the facts as merge_fact adds them up (base/merged_facts.h), the curves of the first, and each warning once.
+/// all, the facts as merge_fact adds them up (base/observer.h), the curves of the first, and each warning once.
 /// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
 RunResults run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
                ProcessLinks* links = nullptr);
+
+/// Checks a job before the first stage of `run`.
+/// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without
+///                distances or with an impossible sweep or noise, and a job that does not fit in the machine's
+///                memory
+void check_job(const Job& job);
+
+/// @throws Error  if a run with that many sets does not fit in the machine's memory
+void check_memory(const Job& job, size_t sets);
+
+/// Number of illumination states per hologram of a wavelength [m], as view_hologram will plan them, with the stop that
+/// the encoder names (slm/encode/blank_hologram.h).
+int64_t states_at(const Job& job, double wavelength, const std::vector<Viewpoint>& from);
+
+/// The largest number of states among all wavelengths.
+int64_t most_states(const Job& job, const std::vector<Viewpoint>& from);
 
 }  // namespace holotrace

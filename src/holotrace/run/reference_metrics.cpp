@@ -1,11 +1,15 @@
 #include "holotrace/run/reference_metrics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
+#include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/structural_similarity.h"
+#include "holotrace/view/expose.h"
 
 namespace holotrace {
 namespace {
@@ -124,6 +128,69 @@ void report_metrics(const ViewReference& reference, const Image& view, double ef
   observer.fact("uniformity", bright.uniformity);
   observer.fact("bright_fraction", bright.bright_fraction);
   observer.fact("diffraction_efficiency", bright.bright_fraction * efficiency);
+}
+
+namespace {
+
+constexpr double bright = 0.1;       // of the largest value: where there is light to compare, as in view/compare.h
+constexpr double most_darkened = 2;  // one photographic stop
+
+// Radiance over irradiance in the bright regions of all views; 0 if it is unknown.
+double light_ratio(const std::vector<Image>& views, const std::vector<ViewReference>& references) {
+  float peak = 0;
+  for (const ViewReference& reference : references)
+    for (const float value : reference.image.values) peak = std::max(peak, value);
+  double of_references = 0, of_views = 0;
+  for (size_t d = 0; d < references.size(); ++d)
+    for (size_t i = 0; i < references[d].image.values.size(); ++i) {
+      if (references[d].image.values[i] < bright * double(peak)) continue;
+      of_references += references[d].image.values[i];
+      of_views += views[d].values[i];
+    }
+  return peak > 0 && of_views > 0 ? of_references / of_views : 0;
+}
+
+}  // namespace
+
+CommonExposure common_exposure(const std::vector<Image>& views, const std::vector<ViewReference>& references,
+                               const std::vector<Image>& renders, double exposure) {
+  const CommonExposure alone{common_white(views, exposure), renders.empty() ? 1 : common_white(renders, 0)};
+  const double ratio = light_ratio(views, references);
+  if (ratio == 0) return alone;
+  if (exposure > 0) return {exposure, ratio * exposure};
+  const double view_white = std::max(alone.view_white, alone.render_white / ratio);
+  return {view_white, std::min(ratio * view_white, most_darkened * alone.render_white)};
+}
+
+namespace {
+
+std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
+
+}  // namespace
+
+double lit_fraction(const Image& image) {
+  if (image.values.empty()) return 0;
+  const double least = lit_level * exposure_white(image, 0);
+  const size_t channels = size_t(image.channels), pixels = image.values.size() / channels;
+  size_t lit = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    const auto first = image.values.begin() + std::ptrdiff_t(i * channels);
+    lit += double(*std::max_element(first, first + std::ptrdiff_t(channels))) >= least;
+  }
+  return double(lit) / double(pixels);
+}
+
+void report_lit_render(const Image& render, const Observer& observer) {
+  const double lit = lit_fraction(render);
+  observer.fact("lit_fraction_of_render", lit);
+  if (lit == 0) return;
+  const double of_black = psnr_of_black(render);
+  observer.fact("psnr_of_black_db", of_black);
+  if (lit < least_lit_fraction)
+    observer.warn(fmt::format(
+        "only {} of the render is lit, less than {}, so PSNR and SSIM say little: a black view would have {:.1f} dB; "
+        "judge the view by eye, or make the scene larger, light it, or move it into the window",
+        percent(lit), percent(least_lit_fraction), of_black));
 }
 
 }  // namespace holotrace

@@ -5,7 +5,9 @@
 #include <memory>
 #include <utility>
 
+#include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
+#include "holotrace/data/members.h"
 #include "holotrace/trace/gather.h"
 #include "holotrace/trace/shade_triangles.h"
 #include "holotrace/trace/trace.h"
@@ -168,5 +170,13 @@ std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<
 
 template std::vector<std::vector<Field>> group_by_name(std::vector<Field>);
 template std::vector<std::vector<FieldDouble>> group_by_name(std::vector<FieldDouble>);
+
+uint64_t field_fingerprint(const Grid& panel, const SynthesizeParams& params, const std::vector<const Sources*>& sets,
+                           const std::vector<int>& first_rows) {
+  BasicWriter<FnvHash> hash;
+  hash(std::string(HOLOTRACE_VERSION), panel, params.method, params.tolerance, params.device, first_rows);
+  for (const Sources* set : sets) hash(*set);
+  return hash.sink.value();
+}
 
 }  // namespace holotrace

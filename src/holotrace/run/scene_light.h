@@ -5,9 +5,10 @@
 
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/job.h"
+#include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/data/triangles.h"
 #include "holotrace/wave/synthesize.h"
 
 namespace holotrace {
@@ -49,5 +50,13 @@ std::vector<PlacedField> placed_fields_of_frame(const SceneLight& light, uint32_
 /// Fields grouped by name, each group in the order given: [name][wavelength].
 template <class Real>
 std::vector<std::vector<BasicField<Real>>> group_by_name(std::vector<BasicField<Real>> fields);
+
+/// A number that identifies fields made in bands (wave/bands.h). It depends on the program's
+/// version, the panel, the method and its tolerance, the first rows of the bands, and everything that the field of each
+/// set depends on. An unfinished file is resumed only by a job with the same number.
+///
+/// Different jobs have different numbers except by chance (base/archive.h).
+uint64_t field_fingerprint(const Grid& panel, const SynthesizeParams& params, const std::vector<const Sources*>& sets,
+                           const std::vector<int>& first_rows);
 
 }  // namespace holotrace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "holotrace/data/point_strength.h"
+#include "holotrace/data/acceptance.h"
 
 namespace holotrace {
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
-#include "holotrace/data/focal_stack.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/light_field.h"
 #include "holotrace/data/params/render.h"

@@ -10,16 +10,14 @@
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
-#include "holotrace/data/point_strength.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/trace_report.h"
-#include "holotrace/trace/waves/merge_waves.h"
 #include "holotrace/trace/waves/ray_waves.h"
 #include "holotrace/trace/waves/source_phase.h"
 #include "holotrace/trace/waves/wave_sets.h"
@@ -140,7 +138,7 @@ void add_waves(const Gathering& g, Found& found, PixelSums& sums) {
   found.cells.clear();
 }
 
-/// The luminous points: U = a·(d₀/r)·exp(i(±kr + φ₀)) inside their boxes, a as point_strength.h says.
+/// The luminous points: U = a·(d₀/r)·exp(i(±kr + φ₀)) inside their boxes, a as acceptance.h says.
 void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   const std::vector<ScenePoint>& points = g.scene.scene.points;
   const size_t frames = size_t(g.params.frames);

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/trace/camera_rays.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/geometry/light_surfaces.h"

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/geometry/light_surfaces.h"

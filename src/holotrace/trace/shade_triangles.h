@@ -7,7 +7,7 @@
 #include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/params/trace.h"
 #include "holotrace/data/scene.h"
-#include "holotrace/data/triangles.h"
+#include "holotrace/data/sources.h"
 
 namespace holotrace {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/params/trace.h"
 
 namespace holotrace {

@@ -9,20 +9,18 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/data/params/trace.h"
-#include "holotrace/data/point_strength.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/tiles.h"
 #include "holotrace/trace/trace_report.h"
-#include "holotrace/trace/waves/merge_waves.h"
 #include "holotrace/trace/waves/ray_waves.h"
 #include "holotrace/trace/waves/source_phase.h"
 #include "holotrace/trace/waves/wave_sets.h"
@@ -274,7 +272,7 @@ void trace_group(const Tracing& t, const Observer& observer, Totals& totals, std
   const int64_t count = t.pattern ? t.pattern->count() : 0;
   const double bytes = sizeof(Source) + sizeof(uint64_t) + sizeof(WaveCell) + sizeof(SecondFocus) +
                        sizeof(float) * double(t.tiles.size());
-  // Hash table of the cells, one set after the other (merge_waves.h): about 100 bytes per wave.
+  // Hash table of the cells, one set after the other (source_phase.h): about 100 bytes per wave.
   const double cells = t.params.phase != SourcePhase::random && t.params.one_wave_per_cell ? 100 : 0;
   require_memory((2 * bytes * double(t.sets.size()) + cells) * double(count),
                  fmt::format("{} sets of waves of {} first hits", t.sets.size(), count));

@@ -49,7 +49,7 @@ namespace holotrace {
 /// amplitude.
 ///
 /// **One wave per cell.** First hits in one cell of equal phase (source_phase.h), seen by the same mirrors and
-/// glass, make one wave of the squared amplitude Σa² (merge_waves.h). If cells have random phases, E|U|² is then the
+/// glass, make one wave of the squared amplitude Σa² (source_phase.h). If cells have random phases, E|U|² is then the
 /// irradiance for every raster and grain. With `one_wave_per_cell = false` each first hit keeps a wave of its own; n
 /// waves of equal phase in a cell are then n times too
 /// bright.

@@ -11,13 +11,11 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/device_camera.h"
-#include "holotrace/view/order_stop.h"
+#include "holotrace/view/diffraction_orders.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "holotrace/wave/shared/fastest_device.h"
-#include "holotrace/wave/shared/on_chosen_device.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 
 namespace holotrace {
 namespace {

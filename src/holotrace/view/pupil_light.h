@@ -17,7 +17,7 @@ namespace holotrace {
 /// and the camera's pupil, in the pupil's plane. A program that changes only the focus keeps it.
 ///
 /// All of it is done on the device that propagation.device names, and the light stays there. The device `auto` is the one
-/// that is expected to be the fastest, by the rates of device_rates.h: the transfer of the shown light counts, unless it is
+/// that is expected to be the fastest, by the rates of stage_on_device.h: the transfer of the shown light counts, unless it is
 /// there already. If it fails, a warning says why, and the processor takes over.
 /// @param returns  whether the caller needs the light on the processor: its return then counts for `auto`
 /// @return         the shown light itself if all of it passes unchanged; empty light if none arrives

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
+#include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/light_field.h"
-#include "holotrace/data/pupil.h"
+#include "holotrace/data/target.h"
 
 namespace holotrace {
 
@@ -37,5 +41,32 @@ struct PupilPicture {
 /// Cost: a few cells per pixel: those that the footprint touches.
 PupilPicture picture_through(const LightField& light_field, double wavelength, const Grid& grid, double distance,
                              const Pupil& pupil);
+
+/// Blurs a picture as the diffraction of a pupil of diameter D does, at the distance s from the pupil to the picture, so that it
+/// holds no detail that an eye cannot see. Without coherence, the transfer function of radiance is the autocorrelation of the
+/// pupil:
+///
+///     H(ν) = 2/π·(arccos u − u·√(1 − u²)),   u = |ν|·λ·s/D,   0 for u ≥ 1
+///
+/// The Airy pattern is its point spread function. Values below 0, from rounding, are set to 0.
+/// @param picture   any number of channels; changed in place
+/// @param pitch     of its pixels [m]
+void limit_to_pupil(Image& picture, double pitch, double wavelength, double distance, double diameter);
+
+/// Area of the unit disc where x < u: ∫ 2√(1 − x²) dx from −1 to u, for −1 ≤ u ≤ 1.
+inline double disc_area_below(double u) { return pi / 2 + u * std::sqrt((1 - u) * (1 + u)) + std::asin(u); }
+
+/// Area of the unit disc where x < u and y < v, for −1 ≤ u, v ≤ 1. With c = √(1 − v²), the strip at x has the length
+/// √(1 − x²) + v for |x| ≤ c; beyond, 2√(1 − x²) for v > 0, and 0 for v < 0.
+inline double disc_area_below(double u, double v) {
+  const double c = std::sqrt((1 - v) * (1 + v));
+  const double end = std::clamp(u, -c, c);
+  // ∫ √(1 − x²) dx from −c to end, half of what lies on both sides of the axis
+  const double half = (disc_area_below(end) - disc_area_below(-c)) / 2;
+  const double inside = half + v * (end + c);
+  if (v <= 0) return inside;
+  const double left = disc_area_below(std::min(u, -c)), right = u > c ? disc_area_below(u) - disc_area_below(c) : 0.0;
+  return left + inside + right;
+}
 
 }  // namespace holotrace

@@ -6,8 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include "holotrace/base/lasting_thread.h"
-#include "holotrace/viewer/access.h"
+#include "holotrace/base/own_threads.h"
 #include "holotrace/viewer/http.h"
 #include "holotrace/viewer/session.h"
 

@@ -7,7 +7,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/data/params/text_setter.h"
+#include "holotrace/data/params/parameter_texts.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"

@@ -12,8 +12,8 @@
 #include "holotrace/data/job.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
-#include "holotrace/io/files/outside.h"
-#include "holotrace/io/report_file.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/run/stage.h"
 
 namespace holotrace {

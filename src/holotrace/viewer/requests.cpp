@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
-#include "holotrace/base/suggest.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/data/params/hologram.h"
-#include "holotrace/data/params/text_setter.h"
+#include "holotrace/data/params/parameter_texts.h"
 
 namespace holotrace {
 namespace {

@@ -7,18 +7,18 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
-#include "holotrace/data/params/changed.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/data/params/parameter_texts.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/run/illumination_plan.h"
-#include "holotrace/run/view_series.h"
+#include "holotrace/run/view_holograms.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
+#include "holotrace/view/combine_views.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/pupil_light.h"
-#include "holotrace/view/render_at.h"
 #include "holotrace/viewer/json_text.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
 

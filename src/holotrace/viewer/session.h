@@ -9,10 +9,8 @@
 
 #include "holotrace/data/image.h"
 #include "holotrace/viewer/contents.h"
-#include "holotrace/viewer/light_cache.h"
-#include "holotrace/viewer/renders_shown.h"
 #include "holotrace/viewer/requests.h"
-#include "holotrace/viewer/view_state.h"
+#include "holotrace/viewer/view_cache.h"
 
 namespace holotrace {
 
@@ -65,7 +63,7 @@ class Session {
   /// @throws Error       as view_hologram does, if there is no hologram, and for a sensor or memory beyond the bounds
   std::optional<TakenView> view(const ViewState& state, const std::function<bool()>& is_outdated = {});
 
-  /// What the view should show, on its pixels and as bright (renders_shown.h). That of a scene takes seconds, in which
+  /// What the view should show, on its pixels and as bright (view_cache.h). That of a scene takes seconds, in which
   /// views are still answered.
   /// @param is_outdated  asked from any thread while a scene is traced; if it returns true, that ends
   /// @return             nothing if the session has no render, or if its tracing was ended

@@ -12,13 +12,12 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
-#include "holotrace/base/thread_count.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/planes/device_planes.h"
 #include "holotrace/wave/planes/plane_plan.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 #include "holotrace/wave/tiles/device_tiles.h"
 #include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_error.h"
@@ -372,6 +371,14 @@ SumForecast forecast_sum(const Sources& sources, const Grid& grid, double tolera
     forecast.method = plan.far.empty() ? "tiled" : "planes";
   }
   return forecast;
+}
+
+Field sum_tiled(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer) {
+  return sum_within(sources, grid, tolerance, Approach::tiled, observer).field;
+}
+
+Field sum_planes(const Sources& sources, const Grid& grid, double tolerance, const Observer& observer) {
+  return sum_within(sources, grid, tolerance, Approach::planes, observer).field;
 }
 
 }  // namespace holotrace

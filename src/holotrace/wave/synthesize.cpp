@@ -7,13 +7,12 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/thread_count.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/layers/sum_layers.h"
-#include "holotrace/wave/shared/fastest_device.h"
-#include "holotrace/wave/shared/on_chosen_device.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 #include "holotrace/wave/shared/sum_by_kind.h"
 #include "holotrace/wave/sum_exact.h"
 

@@ -15,8 +15,8 @@ namespace holotrace {
 /// Field on the panel of a set of sources, by the method that the parameters name:
 ///
 /// - `exact`: wave by wave in double precision (sum_exact.h); the reference;
-/// - `tiled`: tile by tile, as matrix products (sum_tiled.h);
-/// - `planes`: by a non-uniform FFT in every tile (sum_planes.h);
+/// - `tiled`: tile by tile, as matrix products (summation.h);
+/// - `planes`: by a non-uniform FFT in every tile (summation.h);
 /// - `layers`: by slices of depth (layers/sum_layers.h);
 /// - `auto`: `tiled` or `planes`, whichever the cost model predicts to be faster within the tolerance; `exact` if
 ///   neither meets it. Never `layers`, which cannot limit waves to their boxes.
@@ -24,7 +24,7 @@ namespace holotrace {
 /// On an OpenCL device (SynthesizeParams::device), `auto`, `tiled` and `planes` sum within the same tolerance
 /// (tiles/device_tiles.h, planes/device_planes.h); the other methods are for the processor. All devices at once share the rows
 /// of the panel; the bytes are those of one of them. The bytes differ from the processor's and between devices. The
-/// device `auto` is the one that is expected to be fastest by measured rates (shared/device_rates.h), transfers counted, or
+/// device `auto` is the one that is expected to be fastest by measured rates (shared/stage_on_device.h), transfers counted, or
 /// the processor if that is. If the device fails, the processor takes over, with a warning.
 ///
 /// Every method sums waves with an amplitude in each tile of the panel (TileAmplitudes) tile by tile. The cost is then

@@ -3,10 +3,8 @@
 #include <cctype>
 #include <cmath>
 
-#include "holotrace/base/cpu.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/instruction_set.h"
-#include "holotrace/base/thread_count.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/wave/tiles/tile_sum.h"
 

@@ -1,6 +1,6 @@
 #include <filesystem>
 
-#include "holotrace/io/calibration/panel_file.h"
+#include "holotrace/io/calibration/calibration_files.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "support/panels.h"
 #include "support/temporary.h"

@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "holotrace/calibrate/patterns.h"
-#include "holotrace/io/calibration/plan_file.h"
+#include "holotrace/io/calibration/calibration_files.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/panels.h"

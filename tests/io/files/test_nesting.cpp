@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "holotrace/io/files/json_text.h"
-#include "holotrace/io/files/nesting.h"
+#include "holotrace/io/files/text.h"
 #include "support/temporary.h"
 
 namespace holotrace {

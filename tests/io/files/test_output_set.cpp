@@ -4,9 +4,8 @@
 #include <set>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/files/command_files.h"
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/files/folder_lock.h"
+#include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
 #include "support/temporary.h"

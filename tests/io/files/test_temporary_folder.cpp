@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "holotrace/io/files/temporary_folder.h"
+#include "holotrace/io/files/folders.h"
 #include "support/temporary.h"
 
 namespace holotrace {

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "holotrace/base/units.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
-#include "holotrace/io/files/outside.h"
-#include "holotrace/io/files/text_lines.h"
-#include "holotrace/io/scene/scene_index.h"
+#include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/scene_materials.h"
 #include "holotrace/io/scene/slm_file.h"
-#include "holotrace/io/scene/toml_file.h"
+#include "holotrace/io/scene/toml_table.h"
 #include "support/temporary.h"
 
 namespace holotrace {

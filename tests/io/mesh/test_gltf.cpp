@@ -4,7 +4,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/file.h"
-#include "holotrace/io/mesh/gltf_materials.h"
+#include "holotrace/io/mesh/gltf.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/gltf.h"

@@ -5,7 +5,6 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
-#include "holotrace/io/scene/model_front.h"
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"

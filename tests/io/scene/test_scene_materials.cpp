@@ -4,7 +4,7 @@
 
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "holotrace/io/scene/scene_index.h"
+#include "holotrace/io/scene/scene_materials.h"
 #include "support/temporary.h"
 
 namespace holotrace {

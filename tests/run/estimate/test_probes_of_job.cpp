@@ -4,12 +4,11 @@
 
 #include <cmath>
 
-#include "holotrace/run/check_job.h"
 #include "holotrace/run/estimate/display_probe.h"
+#include "holotrace/run/estimate/field_probes.h"
 #include "holotrace/run/estimate/small_panel.h"
-#include "holotrace/run/estimate/synthesis_probe.h"
-#include "holotrace/run/estimate/trace_probe.h"
 #include "holotrace/run/illumination_plan.h"
+#include "holotrace/run/pipeline.h"
 #include "holotrace/run/viewing.h"
 #include "trace/scenes.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "holotrace/base/random.h"
-#include "holotrace/slm/encode/device_moments.h"
+#include "holotrace/slm/encode/shown_pixels.h"
 #include "support/devices.h"
 #include "support/targets.h"
 

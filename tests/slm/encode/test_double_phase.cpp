@@ -1,12 +1,11 @@
 #include <cmath>
 #include <memory>
 
-#include "holotrace/slm/encode/device_low_pass.h"
-#include "holotrace/slm/encode/device_moments.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/low_pass.h"
+#include "holotrace/slm/encode/shown_pixels.h"
 #include "holotrace/slm/panel/show.h"
-#include "holotrace/view/order_stop.h"
+#include "holotrace/view/diffraction_orders.h"
 #include "support/devices.h"
 #include "support/targets.h"
 

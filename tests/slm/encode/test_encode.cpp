@@ -4,8 +4,8 @@
 
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/off_axis.h"
-#include "holotrace/slm/panel/level_table.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
+#include "holotrace/slm/panel/pixel_response.h"
 #include "holotrace/slm/panel/show.h"
 #include "support/devices.h"
 #include "support/panels.h"

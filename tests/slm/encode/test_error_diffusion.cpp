@@ -2,7 +2,7 @@
 
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/panel/show.h"
-#include "holotrace/view/order_stop.h"
+#include "holotrace/view/diffraction_orders.h"
 #include "support/targets.h"
 
 namespace holotrace {

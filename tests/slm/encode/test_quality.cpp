@@ -1,5 +1,5 @@
 #include "holotrace/data/params/encode.h"
-#include "holotrace/estimate/encoder_quality.h"
+#include "holotrace/estimate/picture_quality.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/targets.h"
 

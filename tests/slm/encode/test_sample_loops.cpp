@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/double_phase_kernel.h"

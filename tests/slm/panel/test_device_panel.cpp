@@ -4,8 +4,8 @@
 
 #include <set>
 
-#include "holotrace/slm/panel/banded_panel.h"
 #include "holotrace/slm/panel/device_panel.h"
+#include "holotrace/slm/panel/panel_field_by_device.h"
 #include "support/devices.h"
 #include "support/fields.h"
 #include "support/panels.h"

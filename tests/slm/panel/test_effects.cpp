@@ -1,8 +1,7 @@
 #include <cmath>
 
 #include "holotrace/slm/panel/crosstalk.h"
-#include "holotrace/slm/panel/dead_pixels.h"
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/illumination.h"
 #include "holotrace/slm/panel/panel_model.h"
 #include "holotrace/slm/panel/pixel_expansion.h"
 #include "holotrace/slm/panel/show.h"

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "holotrace/base/cycles.h"
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/illumination.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/panels.h"

@@ -2,7 +2,7 @@
 
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/slm/panel/show.h"
-#include "holotrace/view/order_stop.h"
+#include "holotrace/view/diffraction_orders.h"
 #include "support/panels.h"
 
 // Efficiencies are fractions of the light on the panel (1 W/m²), closed_forms.md section 3.

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/slm/panel/banded_panel.h"
 #include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/show.h"
 #include "support/build_paths.h"

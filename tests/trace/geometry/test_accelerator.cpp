@@ -6,7 +6,7 @@
 #include <limits>
 #include <memory>
 
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/shared/sampling.h"

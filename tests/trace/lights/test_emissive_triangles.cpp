@@ -4,8 +4,8 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
-#include "holotrace/trace/lights/emissive_triangles.h"
-#include "holotrace/trace/materials/texture.h"
+#include "holotrace/trace/lights/emitters.h"
+#include "holotrace/trace/materials/bsdf.h"
 #include "trace/scenes.h"
 
 namespace holotrace {

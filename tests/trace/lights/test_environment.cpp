@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "holotrace/base/random.h"
-#include "holotrace/trace/lights/environment.h"
+#include "holotrace/trace/lights/emitters.h"
 #include "support/statistics.h"
 #include "trace/lights/wall_scene.h"
 

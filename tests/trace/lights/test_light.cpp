@@ -4,10 +4,9 @@
 #include <functional>
 
 #include "holotrace/base/random.h"
-#include "holotrace/trace/lights/environment.h"
+#include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/materials/fresnel.h"
-#include "holotrace/trace/materials/texture.h"
 #include "support/statistics.h"
 #include "trace/lights/wall_scene.h"
 

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
-#include "holotrace/trace/lights/emissive_triangles.h"
+#include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/diffuse_bsdf.h"
 #include "holotrace/trace/paths/diffuse_lanes.h"
-#include "holotrace/trace/paths/path_weights.h"
+#include "holotrace/trace/paths/path.h"
 #include "trace/scenes.h"
 
 namespace holotrace {

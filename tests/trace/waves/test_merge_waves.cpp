@@ -5,7 +5,6 @@
 #include <set>
 
 #include "holotrace/trace/trace.h"
-#include "holotrace/trace/waves/merge_waves.h"
 #include "holotrace/trace/waves/source_phase.h"
 #include "trace/scenes.h"
 

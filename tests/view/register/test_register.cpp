@@ -6,7 +6,6 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/view/compare.h"
-#include "holotrace/view/register/align_image.h"
 #include "holotrace/view/register/register.h"
 #include "support/panels.h"
 

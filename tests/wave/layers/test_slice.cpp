@@ -6,9 +6,8 @@
 
 #include "holotrace/base/fft.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/layers/silhouette.h"
+#include "holotrace/wave/layers/points_on_slice.h"
 #include "holotrace/wave/layers/slice.h"
-#include "holotrace/wave/layers/spread.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 #include "support/fields.h"
 #include "support/panels.h"

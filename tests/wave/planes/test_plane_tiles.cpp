@@ -3,12 +3,10 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/wave/planes/plane_error.h"
 #include "holotrace/wave/planes/plane_plan.h"
-#include "holotrace/wave/planes/plane_slabs.h"
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "support/fields.h"

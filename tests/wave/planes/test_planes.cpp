@@ -9,8 +9,6 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/wave/planes/plane_plan.h"
-#include "holotrace/wave/planes/plane_slabs.h"
-#include "holotrace/wave/sample_error.h"
 #include "holotrace/wave/shared/gridding_kernel.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/irradiance.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/build_paths.h"
 #include "support/temporary.h"
 #include "wave/propagate/propagation_on_devices.h"

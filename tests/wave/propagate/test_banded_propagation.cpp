@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/banded_propagation.h"
-#include "holotrace/wave/propagate/convolution_parts.h"
-#include "holotrace/wave/propagate/irradiance.h"
+#include "holotrace/wave/propagate/convolve.h"
+#include "holotrace/wave/propagate/device_propagator.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/build_paths.h"
 #include "support/error_of.h"
 #include "support/fields.h"

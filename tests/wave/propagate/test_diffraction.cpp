@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/direct_sum.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "support/fields.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/convolution_parts.h"
-#include "holotrace/wave/propagate/irradiance.h"
+#include "holotrace/wave/propagate/convolve.h"
+#include "holotrace/wave/propagate/propagate.h"
 #include "support/temporary.h"
 #include "wave/propagate/propagation_on_devices.h"
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/adjoint.h"
 #include "holotrace/wave/propagate/convolve.h"
 #include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagator.h"
 #include "support/fields.h"
 #include "support/panels.h"
 #include "support/targets.h"

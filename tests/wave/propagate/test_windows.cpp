@@ -10,8 +10,6 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/direct_sum.h"
-#include "holotrace/wave/propagate/irradiance.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"

@@ -6,11 +6,10 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
-#include "holotrace/wave/propagate/device_samples.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
 #include "holotrace/wave/shared/compensated_sum_kernel.h"
 #include "holotrace/wave/shared/device_field.h"
 #include "holotrace/wave/shared/sample_place_kernel.h"
-#include "holotrace/wave/shared/sample_rows.h"
 #include "support/devices.h"
 
 namespace holotrace {

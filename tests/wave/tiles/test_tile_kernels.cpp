@@ -3,13 +3,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "holotrace/base/cpu.h"
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/wave/sum_exact.h"
-#include "holotrace/wave/sum_planes.h"
-#include "holotrace/wave/sum_tiled.h"
+#include "holotrace/wave/summation.h"
 #include "holotrace/wave/tiles/packed_product.h"
 #include "holotrace/wave/tiles/tile_sum.h"
 #include "support/fields.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <complex>
 
+#include "holotrace/base/fft.h"
 #include "holotrace/base/random.h"
-#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/transform/line_transform.h"
 #include "support/devices.h"
 

@@ -7,7 +7,6 @@
 #include "holotrace/wave/propagate/propagate.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/triangles/sum_triangles.h"
-#include "holotrace/wave/triangles/sum_triangles_exact.h"
 #include "holotrace/wave/triangles/triangle_moments.h"
 #include "holotrace/wave/triangles/triangle_part.h"
 #include "support/fields.h"

@@ -11,8 +11,8 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/field.h"
-#include "holotrace/data/params/denoise.h"
 #include "holotrace/data/params/parameter.h"
+#include "holotrace/data/params/path_tracing.h"
 
 // encode: Field → Hologram
 

@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "holotrace/base/vec.h"
-#include "holotrace/data/params/acceleration.h"
-#include "holotrace/data/params/denoise.h"
 #include "holotrace/data/params/parameter.h"
+#include "holotrace/data/params/path_tracing.h"
 
 // render: Scene → Image
 

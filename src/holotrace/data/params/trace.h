@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/data/params/acceleration.h"
 #include "holotrace/data/params/parameter.h"
+#include "holotrace/data/params/path_tracing.h"
 
 // trace: Scene → Sources
 

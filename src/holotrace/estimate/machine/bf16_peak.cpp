@@ -1,7 +1,6 @@
-#include "holotrace/estimate/machine/bf16_peak.h"
-
-#include "holotrace/base/cpu.h"
-#include "holotrace/estimate/machine/peak_rate.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/estimate/machine/ceilings.h"
+#include "holotrace/estimate/machine/timing.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

@@ -9,12 +9,8 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/fft.h"
-#include "holotrace/base/instruction_set.h"
-#include "holotrace/base/memory.h"
-#include "holotrace/base/thread_count.h"
-#include "holotrace/estimate/machine/bf16_peak.h"
-#include "holotrace/estimate/machine/multiply_add_peak.h"
-#include "holotrace/estimate/machine/peak_rate.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/estimate/machine/timing.h"
 #include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {

@@ -1,8 +1,7 @@
-#include "holotrace/estimate/machine/device_peak.h"
-
 #include <algorithm>
 
-#include "holotrace/estimate/machine/peak_rate.h"
+#include "holotrace/estimate/machine/ceilings.h"
+#include "holotrace/estimate/machine/timing.h"
 
 namespace holotrace {
 namespace {

@@ -1,11 +1,11 @@
-#include "holotrace/estimate/machine/multiply_add_peak.h"
+#include "holotrace/estimate/machine/ceilings.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/estimate/machine/multiply_add_peak.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "holotrace/estimate/machine/peak_rate.h"
+#include "holotrace/estimate/machine/timing.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace holotrace::HWY_NAMESPACE {

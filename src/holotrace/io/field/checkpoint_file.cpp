@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/io/field/hdf5_access.h"
 #include "holotrace/io/files/child_process.h"
 #include "holotrace/io/files/file.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/field.h"
-#include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 
@@ -42,5 +42,12 @@ FieldDouble load_field_double(const std::string& path, Outside outside = Outside
 
 /// Whether a file is a field rather than an image: .npy and .h5 are fields, and an EXR with channels "real" and "imag".
 bool is_field_file(const std::string& path);
+
+/// Writes stacks of fields as NAME, NAME_2, … (save_fields). A file NAME_2 that an earlier call with that name did not
+/// write is set aside (set_aside). The sidecar NAME.EXT.json of the first records which files those are.
+/// @return  a sentence for each file that was set aside
+template <class Real>
+std::vector<std::string> save_field_series(const std::string& path,
+                                           const std::vector<std::vector<BasicField<Real>>>& stacks);
 
 }  // namespace holotrace

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/array.h"
 #include "holotrace/data/field.h"
-#include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/new_file.h"
 
 // One pair of functions per file format of fields; field_file.cpp selects it by extension. write_… and create_…
 // fill the file in place, for use inside write_atomically.
@@ -41,5 +44,17 @@ Field read_field_exr(const std::string& path);
 
 /// Whether an EXR file has the channels of a field.
 bool is_field_exr(const std::string& path);
+
+/// Fills a file with complex arrays of one size in NumPy's format 1.0, C order, little endian: shape (ny, nx) for one
+/// array, (count, ny, nx) for several.
+/// Reference: numpy.lib.format (NEP 1).
+template <class Real>
+void write_npy(NewFile& file, const std::vector<const Array2D<std::complex<Real>>*>& stack);
+
+/// Reads complex64 or complex128, shape (ny, nx) or (count, ny, nx), in C order or in Fortran order (which NumPy writes
+/// for an array that was transposed).
+/// @throws Error naming the file for any other content, and for a file that is too short for its shape
+template <class Real>
+std::vector<Array2D<std::complex<Real>>> read_npy(const std::string& path);
 
 }  // namespace holotrace

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/io/field/hdf5_access.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/child_process.h"

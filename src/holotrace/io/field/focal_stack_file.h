@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "holotrace/data/focal_stack.h"
-#include "holotrace/io/files/outside.h"
+#include "holotrace/data/light_field.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/file.h"
 
 // HDF5's handles, attributes and errors. Only the files of this room use it.
 

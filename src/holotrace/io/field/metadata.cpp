@@ -5,10 +5,8 @@
 #include <functional>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
-#include "holotrace/base/suggest.h"
-#include "holotrace/io/files/json_text.h"
-#include "holotrace/io/files/text_lines.h"
+#include "holotrace/base/message_text.h"
+#include "holotrace/io/files/text.h"
 
 namespace holotrace {
 

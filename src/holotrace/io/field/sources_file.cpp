@@ -7,11 +7,11 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/output_set.h"
 #include "holotrace/io/files/ply.h"
-#include "holotrace/io/files/record_names.h"
 
 namespace holotrace {
 namespace {

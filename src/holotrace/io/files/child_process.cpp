@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 
 namespace holotrace {
 namespace {

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace holotrace {
@@ -44,5 +46,55 @@ std::string sidecar_path(const std::string& path);
 
 /// The path that earlier versions gave such metadata: "out/f.npy" → "out/f.json". It is read, never written.
 std::string old_sidecar_path(const std::string& path);
+
+/// The bytes of a file on a disk or of a memory, read from any place.
+class ByteSource {
+ public:
+  /// @throws Error if the file is missing, a folder, a pipe or a device, or cannot be opened, naming the path
+  explicit ByteSource(const std::string& path);
+
+  /// Bytes in memory, which must outlive this.
+  /// @param name  what messages call them
+  ByteSource(const void* bytes, size_t size, std::string name);
+
+  const std::string& name() const { return name_; }
+  uint64_t size() const { return size_; }
+  uint64_t place() const { return place_; }
+
+  /// Bytes from the current place on; fewer than `size` only at the end. @return their number
+  size_t read(void* to, size_t size);
+
+  /// Whether all bytes could be read.
+  bool read_all(void* to, size_t size) { return read(to, size) == size; }
+
+  /// The next byte, or −1 at the end.
+  int next();
+
+  /// Goes to a place; one after the end becomes the end.
+  void seek(uint64_t place);
+
+ private:
+  std::string name_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  const unsigned char* memory_ = nullptr;
+  uint64_t size_ = 0, place_ = 0;
+};
+
+/// Whether files that a model or field names may lie outside its own folder: a file from elsewhere could otherwise show
+/// private files, or read devices.
+enum class Outside { refused, allowed };
+
+/// @param file    file that `holder` names
+/// @param holder  a model or field
+/// @throws Error  if `outside` is refused and the file is not in the folder of `holder` or below it, links followed
+void require_inside(const std::string& file, const std::string& holder, Outside outside);
+
+/// The file that a model or field names, where it lies on this machine: at the place that is named, or, as authors'
+/// programs write paths of their own machines ("C:\\Users\\me\\Wood.PNG"), beside `holder` by the last parts of that path,
+/// with letters of either case.
+/// @param name    as `holder` names it, with "/" or "\\"
+/// @return        a file that is there; "" if there is none
+/// @throws Error  as require_inside, if the only such file is one outside the folder
+std::string find_beside(const std::string& name, const std::string& holder, Outside outside);
 
 }  // namespace holotrace

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "holotrace/io/files/text_lines.h"
+#include "holotrace/io/files/text.h"
 
 namespace holotrace {
 namespace {

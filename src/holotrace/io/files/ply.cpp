@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/files/text_lines.h"
+#include "holotrace/io/files/text.h"
 
 namespace holotrace {
 namespace {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/mesh/mesh_formats.h"
 
 namespace holotrace {
 
@@ -41,5 +43,28 @@ std::vector<size_t> gltf_counts(const GltfFile& gltf, const nlohmann::json& list
 
 /// What a JSON error says, without the library's own number of it.
 std::string reason(const nlohmann::json::exception& error);
+
+/// The numbers of an accessor of a glTF model: `components` per item, one item after the other; integers that are
+/// normalized are in [0, 1] or [−1, 1]. Sparse accessors are filled in.
+/// @param components  numbers per item that are wanted; further ones of the file are left out
+/// @throws Error naming the file for accessors outside their data, of other types, and with fewer components
+std::vector<double> gltf_numbers(const GltfFile& gltf, size_t accessor, size_t components);
+
+/// The whole numbers of an accessor of indices. @throws Error as gltf_numbers
+std::vector<uint32_t> gltf_indices(const GltfFile& gltf, size_t accessor);
+
+/// The materials of a glTF 2.0 model, in its order, followed by the material of primitives that have none.
+///
+/// Supported: the core's metallic-roughness model with its textures, normal map and emission, and the extensions
+/// KHR_materials_emissive_strength, _unlit (a surface that emits its colour), _transmission with a factor of 1, with
+/// _ior and _volume (glass; a pane if it has no thickness), _pbrSpecularGlossiness (its diffuse colour and glossiness)
+/// and KHR_texture_transform. A warning names the rest, once per feature: partial transmission and alpha
+/// transparency, coats, sheen, and textures of one material at different coordinates.
+/// @throws Error naming the file if the data are damaged
+std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn);
+
+/// Warns of features that are not shown: bones, morph targets, animations, lights, cameras,
+/// and other extensions.
+void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn);
 
 }  // namespace holotrace

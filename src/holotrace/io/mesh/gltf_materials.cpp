@@ -1,10 +1,9 @@
-#include "holotrace/io/mesh/gltf_materials.h"
-
 #include <algorithm>
 #include <array>
 #include <map>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/mesh/gltf.h"
 
 namespace holotrace {
 namespace {

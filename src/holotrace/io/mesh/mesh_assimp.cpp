@@ -13,7 +13,7 @@
 #include <string>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/files/child_process.h"
 #include "holotrace/io/mesh/mesh_formats.h"

@@ -4,14 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numeric>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/shapes.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/mesh/mesh_formats.h"
 
 namespace holotrace {
-
 namespace {
 
 // Extensions of the formats that Assimp reads.
@@ -45,6 +51,219 @@ LoadedModel load_meshes(const std::string& path, Outside outside) {
   if (extension == ".ply") return load_ply_mesh(path, outside);
   if (is_other(extension)) return load_assimp_mesh(path, extension, outside);
   return extension == ".obj" ? load_obj_mesh(path, outside) : load_gltf_mesh(path, outside);
+}
+
+namespace {
+
+// Whether each normal has a direction; they are normalized.
+bool normalize_all(std::vector<Vec3>& normals) {
+  return std::all_of(normals.begin(), normals.end(), [](Vec3& n) {
+    n = normalize(n);
+    return is_finite(n);
+  });
+}
+
+// Removes triangles without an area and vertices of no triangle: nobody sees them, but they would count in sizes.
+void keep_what_is_seen(Mesh& mesh) {
+  const auto has_area = [&](const std::array<uint32_t, 3>& t) {
+    const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    const double side = std::max({length(b - a), length(c - b), length(a - c)});
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * std::max({length(a), length(b), length(c)});
+    return length(cross(b - a, c - a)) > rounding * side;
+  };
+  std::erase_if(mesh.triangles, [&](const auto& t) { return !has_area(t); });
+  constexpr uint32_t unused = UINT32_MAX;
+  std::vector<uint32_t> places(mesh.positions.size(), unused);
+  for (const auto& t : mesh.triangles)
+    for (const uint32_t v : t) places[v] = 0;
+  uint32_t count = 0;
+  for (uint32_t& place : places)
+    if (place != unused) place = count++;
+  if (count == places.size()) return;
+  const auto keep_used = [&](auto& values) {
+    if (values.empty()) return;
+    for (size_t v = 0; v < places.size(); ++v)
+      if (places[v] != unused) values[places[v]] = values[v];
+    values.resize(count);
+  };
+  keep_used(mesh.positions);
+  keep_used(mesh.normals);
+  keep_used(mesh.texture_coordinates);
+  keep_used(mesh.colours);
+  for (auto& t : mesh.triangles)
+    for (uint32_t& v : t) v = places[v];
+}
+
+}  // namespace
+
+Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv) {
+  if (t == TextureCoordinates{.set = t.set}) return uv;
+  // KHR_texture_transform: scale, rotate (counter-clockwise as seen with v down), move.
+  const double u = uv.x * t.scale_u, v = (1 - uv.y) * t.scale_v;
+  const double c = std::cos(t.rotation), s = std::sin(t.rotation);
+  return {c * u + s * v + t.offset_u, 1 - (-s * u + c * v + t.offset_v)};
+}
+
+void WeightedFrame::add(const Frame& frame, double weight) {
+  if (!(weight > 0)) return;
+  weights_ += weight;
+  sum_ = {sum_.x + frame.x * weight, sum_.y + frame.y * weight, sum_.z + frame.z * weight,
+          sum_.origin + frame.origin * weight};
+}
+
+Frame WeightedFrame::mean(const Frame& otherwise) const {
+  if (weights_ == 0) return otherwise;
+  return {sum_.x / weights_, sum_.y / weights_, sum_.z / weights_, sum_.origin / weights_};
+}
+
+bool FileMaterial::add_texture(const TextureCoordinates& at) {
+  if (!has_textures) coordinates = at;
+  has_textures = true;
+  return at == coordinates;
+}
+
+void ModelReader::warn(const std::string& feature, const std::string& sentence) {
+  if (warned_.insert(feature).second) model_.warnings.push_back(path_ + ": " + sentence);
+}
+
+std::shared_ptr<const Image> ModelReader::load_texture(const std::string& name, ImageContent content) {
+  const std::string file = find_beside(name, path_, outside_);
+  if (file.empty()) {
+    warn("missing " + name, fmt::format("the texture {} is missing; the plain colour is used", name));
+    return nullptr;
+  }
+  Image image = load_image(file, content);
+  if (content == ImageContent::data) image = with_three_channels(std::move(image));
+  return std::make_shared<Image>(std::move(image));
+}
+
+void ModelReader::reserve(size_t vertices, size_t triangles) {
+  constexpr double vertex = sizeof(Vec3) * 3 + sizeof(Vec2), triangle = sizeof(Mesh::triangles[0]);
+  bytes_ += vertex * double(vertices) + triangle * double(triangles);
+  const double most = physical_memory() / 4;  // a scene copies its meshes
+  require(bytes_ <= most && vertices < UINT32_MAX,
+          "{}: expected a model that needs at most {}, a quarter of this machine's memory, got {} or more; simplify it",
+          path_, format_bytes(most), format_bytes(bytes_));
+}
+
+void ModelReader::add(Mesh mesh, const FileMaterial& material, const Frame& frame) {
+  if (mesh.triangles.empty()) return;
+  if (mesh.name.empty()) mesh.name = std::filesystem::path(path_).stem().string();
+  const auto drop_normals = [&] {
+    mesh.normals.clear();
+    warn("normals of " + mesh.name, fmt::format("mesh \"{}\" has normals of length 0; it is shaded flat", mesh.name));
+  };
+  if (!normalize_all(mesh.normals)) drop_normals();
+  if (mesh.texture_coordinates.empty() && material.has_textures) {
+    warn("no coordinates",
+         fmt::format("mesh \"{}\" has textures but no texture coordinates; the colour of their corner is used",
+                     mesh.name));
+    mesh.texture_coordinates.assign(mesh.positions.size(), {0, 0});
+  } else {
+    bool is_inside = true;
+    for (Vec2& uv : mesh.texture_coordinates) {
+      require(std::isfinite(uv.x) && std::isfinite(uv.y),
+              "{}: expected finite texture coordinates in mesh \"{}\", got ({}, {})", path_, mesh.name, uv.x, uv.y);
+      uv = transform_coordinates(material.coordinates, uv);
+      is_inside = is_inside && uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
+    }
+    if (!is_inside && !material.repeats)
+      warn("wrap", fmt::format("mesh \"{}\" has a texture that is clamped or mirrored at its border; it is repeated",
+                               mesh.name));
+  }
+  transform_mesh(frame, mesh);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3 p = mesh.positions[i];
+    require(is_finite(p), "{}: expected finite coordinates in mesh \"{}\", got ({}, {}, {}) at vertex {}", path_,
+            mesh.name, p.x, p.y, p.z, i);
+  }
+  keep_what_is_seen(mesh);
+  if (mesh.triangles.empty()) {
+    has_flat_meshes_ = true;
+    return;
+  }
+  if (!normalize_all(mesh.normals)) drop_normals();
+  model_.meshes.push_back(std::move(mesh));
+}
+
+LoadedModel ModelReader::finish(std::vector<FileMaterial> materials) {
+  require(!model_.meshes.empty(), "{}: expected a mesh with triangles, got {}", path_,
+          has_flat_meshes_ ? "only triangles without an area; are all its parts scaled to 0?"
+          : left_out_ > 0  ? "only points and lines; save points as PLY, whose points become surfaces"
+                           : "none");
+  if (left_out_ > 0) warn("primitives", fmt::format("{} points and lines are ignored", left_out_));
+  for (FileMaterial& material : materials) model_.materials.push_back(std::move(material.material));
+  return std::move(model_);
+}
+
+namespace {
+
+double cross(Vec2 a, Vec2 b, Vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+
+// The polygon's normal by Newell's formula, twice its area long.
+Vec3 newell_normal(const std::vector<Vec3>& corners) {
+  Vec3 n{};
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 a = corners[i], b = corners[(i + 1) % corners.size()];
+    n += Vec3{(a.y - b.y) * (a.z + b.z), (a.z - b.z) * (a.x + b.x), (a.x - b.x) * (a.y + b.y)};
+  }
+  return n;
+}
+
+// The polygon in the coordinate plane that it faces most, counter-clockwise.
+std::vector<Vec2> projected(const std::vector<Vec3>& corners) {
+  const Vec3 n = newell_normal(corners);
+  const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
+  std::vector<Vec2> flat;
+  for (const Vec3& p : corners) {
+    if (z >= x && z >= y)
+      flat.push_back(n.z >= 0 ? Vec2{p.x, p.y} : Vec2{p.y, p.x});
+    else if (x >= y)
+      flat.push_back(n.x >= 0 ? Vec2{p.y, p.z} : Vec2{p.z, p.y});
+    else
+      flat.push_back(n.y >= 0 ? Vec2{p.z, p.x} : Vec2{p.x, p.z});
+  }
+  return flat;
+}
+
+bool is_convex(const std::vector<Vec2>& flat) {
+  for (size_t i = 0, n = flat.size(); i < n; ++i)
+    if (cross(flat[i], flat[(i + 1) % n], flat[(i + 2) % n]) < 0) return false;
+  return true;
+}
+
+// Whether the corner i of the rest of a polygon can be cut off: it is convex, and no other corner lies in its triangle.
+bool is_ear(const std::vector<Vec2>& flat, const std::vector<uint32_t>& rest, size_t i) {
+  const size_t n = rest.size();
+  const Vec2 a = flat[rest[(i + n - 1) % n]], b = flat[rest[i]], c = flat[rest[(i + 1) % n]];
+  if (!(cross(a, b, c) > 0)) return false;
+  for (size_t k = 2; k + 1 < n; ++k) {
+    const Vec2 p = flat[rest[(i + k) % n]];
+    if (cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0 && !(p == a) && !(p == c)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void triangulate(const std::vector<Vec3>& corners, std::vector<std::array<uint32_t, 3>>& triangles) {
+  constexpr size_t most_corners = 500;  // cutting ears takes the cube of the corners
+  std::vector<uint32_t> rest(corners.size());
+  std::iota(rest.begin(), rest.end(), 0u);
+  if (corners.size() > 3 && corners.size() <= most_corners) {
+    const std::vector<Vec2> flat = projected(corners);
+    bool is_cut = !is_convex(flat);
+    while (is_cut && rest.size() > 3) {
+      is_cut = false;
+      for (size_t i = 0, n = rest.size(); i < n && !is_cut; ++i) {
+        if (!is_ear(flat, rest, i)) continue;
+        triangles.push_back({rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]});
+        rest.erase(rest.begin() + std::ptrdiff_t(i));
+        is_cut = true;
+      }
+    }
+  }
+  for (size_t i = 2; i < rest.size(); ++i) triangles.push_back({rest[0], rest[i - 1], rest[i]});
 }
 
 }  // namespace holotrace

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "holotrace/data/scene.h"
-#include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 
@@ -25,7 +25,7 @@ bool is_mesh_file(const std::string& path);
 /// flat shading), texture coordinates with v up, vertex colours, and the materials with their textures, embedded
 /// or beside the file. All surfaces are two-sided: culling of back faces is an optimization of rasterisers.
 ///
-/// - glTF 2.0: see gltf_materials in io/mesh/gltf_materials.h.
+/// - glTF 2.0: see gltf_materials in io/mesh/gltf.h.
 /// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
 /// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse
 ///   texture beside the file, as Assimp reads them.

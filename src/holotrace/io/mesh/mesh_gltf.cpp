@@ -5,8 +5,6 @@
 #include "holotrace/base/error.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/mesh/gltf.h"
-#include "holotrace/io/mesh/gltf_accessor.h"
-#include "holotrace/io/mesh/gltf_materials.h"
 #include "holotrace/io/mesh/mesh_formats.h"
 
 namespace holotrace {

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
-#include "holotrace/io/files/text_lines.h"
+#include "holotrace/base/message_text.h"
+#include "holotrace/io/files/text.h"
 #include "holotrace/io/mesh/mesh_formats.h"
 #include "holotrace/io/mesh/obj_materials.h"
 #include "holotrace/io/mesh/stored_colours.h"

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/ply.h"
-#include "holotrace/io/files/text_lines.h"
+#include "holotrace/io/files/text.h"
 #include "holotrace/io/mesh/mesh_formats.h"
 #include "holotrace/io/mesh/stored_colours.h"
 

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/printable.h"
-#include "holotrace/io/files/text_lines.h"
+#include "holotrace/base/message_text.h"
+#include "holotrace/io/files/text.h"
 
 namespace holotrace {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/formats/formats.h"

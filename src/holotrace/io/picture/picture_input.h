@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "holotrace/io/picture/formats/picture.h"
+#include "holotrace/io/picture/formats/formats.h"
 
 // How every picture is opened. Only files of io/ that read pictures use it.
 

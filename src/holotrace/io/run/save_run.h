@@ -7,8 +7,35 @@
 
 #include "holotrace/io/files/output_set.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/view_holograms.h"
 
 namespace holotrace {
+
+/// Pictures of a series of holograms, and how the camera took them.
+struct SeenViews {
+  const std::vector<Viewpoint>& from;  ///< viewpoints of all pictures
+  const ViewSeries& views;             ///< at the distances of the camera
+  const ViewSeries& sweep;             ///< may be empty
+  const ViewSeries& stereo;            ///< may be empty
+  const CameraParams& camera;
+};
+
+/// Writes the views of all distances as view.png, view_2.png, …, and the sweep: view_sweep_01.png, …; view_sweep.gif,
+/// the animation of all its pictures; and view_sweep.png, its chart (viewing.h); and the stereo pair (save_stereo). The first
+/// view records the other files.
+/// For a view named NAME.gif, only the animation is written. @throws Error for such a name without a sweep
+/// @param name      file name of the view: .png, .exr or .gif
+/// @param observer  is warned if the chart cannot be drawn, for instance because gnuplot is not installed
+void save_views(const OutputSet& set, const std::string& name, const SeenViews& seen, const Observer& observer);
+
+/// The files of a sweep of `pictures` pictures.
+std::vector<std::string> sweep_paths(const std::string& view, size_t pictures);
+
+/// Writes a stereo pair and its anaglyph: NAME_left, NAME_right and NAME_anaglyph, with the extension of `name`. If
+/// `is_anaglyph_plain`, the anaglyph is `name` itself, and records the pair.
+/// @param bits  bits per channel of a PNG
+void save_stereo(const OutputSet& set, const std::string& name, const std::vector<Image>& pair, double white, int bits,
+                 bool is_anaglyph_plain = false);
 
 /// The paths of the files that a run writes into its folder, the first of each kind.
 std::vector<std::string> run_paths(const std::string& folder);

@@ -1,18 +1,28 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "holotrace/data/job.h"
 #include "holotrace/data/params/model.h"
-#include "holotrace/io/files/outside.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
+
+/// The turn about y [rad] after which a model shows most: for files whose format does not say where the front is. What it
+/// shows is the sum of the differences of the normals of neighbouring
+/// pixels, each at most 1, over a picture in parallel projection, with 1 for each pixel of its outline. What is
+/// nearer counts more, so that a head looks at the viewer.
+/// @param turns  to choose from; the first one is taken unless another shows 1 % more
+/// @param view   from the turned model's frame to that of the picture, which is seen along −z
+double turn_that_shows_most(const std::vector<Mesh>& meshes, const std::vector<double>& turns, const Frame& view);
 
 /// The job that load_job makes of a file of meshes or points alone: a model on a floor in the light of a photographer.
 ///
 /// **Place.** The model stands 19.5 panel widths behind the panel (300 mm for `pluto`), where the panel resolves about
 /// as much as it has pixels. It is upright, turned (`rotation`), and seen from 18° above. Without a rotation it is turned
-/// by 30° from its front: +z in glTF, else one of eight turns, the one that shows most (model_front.h). Its bounds, with the part of
+/// by 30° from its front: +z in glTF, else one of eight turns, the one that shows most. Its bounds, with the part of
 /// the floor around it, take `fit` of the view's width or height.
 ///
 /// **Floor.** A round, diffuse, grey floor under its lowest point. Its albedo falls to 0 at 1.6 times the radius of the

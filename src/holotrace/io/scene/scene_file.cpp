@@ -9,9 +9,9 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/job.h"
 #include "holotrace/data/params/renamed.h"
 #include "holotrace/data/path_expression.h"
-#include "holotrace/data/scene_colours.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/scene/model_job.h"
@@ -20,7 +20,6 @@
 #include "holotrace/io/scene/scene_objects.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/slm_file.h"
-#include "holotrace/io/scene/toml_file.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {

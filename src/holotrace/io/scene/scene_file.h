@@ -4,7 +4,7 @@
 
 #include "holotrace/data/job.h"
 #include "holotrace/data/params/model.h"
-#include "holotrace/io/files/outside.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 

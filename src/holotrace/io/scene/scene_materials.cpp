@@ -1,13 +1,153 @@
 #include "holotrace/io/scene/scene_materials.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
 #include <limits>
+#include <sstream>
 
 #include "holotrace/base/error.h"
-#include "holotrace/io/scene/scene_images.h"
-#include "holotrace/io/scene/scene_index.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {
+namespace {
+
+void check_sample(const RefractiveIndex::Sample& sample, const std::string& where) {
+  require(std::isfinite(sample.n) && sample.n > 0, "{}expected an index n above 0, got {}", where, sample.n);
+  require(std::isfinite(sample.k) && sample.k >= 0, "{}expected an absorption k of 0 or more, got {}", where, sample.k);
+}
+
+// The index with its samples sorted by wavelength.
+RefractiveIndex in_order(RefractiveIndex index, const std::string& where) {
+  auto& samples = index.samples;
+  std::sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.wavelength < b.wavelength; });
+  const auto twice = std::adjacent_find(samples.begin(), samples.end(),
+                                        [](const auto& a, const auto& b) { return a.wavelength == b.wavelength; });
+  if (twice != samples.end())
+    fail("{}expected each wavelength once, got {} twice", where, format_length(twice->wavelength));
+  return index;
+}
+
+// An index from a list of [wavelength, n] or [wavelength, n, k].
+RefractiveIndex from_list(TomlTable& table, const char* key, const toml::array& list, const char* expected) {
+  RefractiveIndex index;
+  require(!list.empty(), "{}expected one sample or more for \"{}\", got none", table.where(key), key);
+  for (const toml::node& item : list) {
+    const toml::array* row = item.as_array();
+    if (!row || row->size() < 2 || row->size() > 3) table.fail_kind(key, expected, item);
+    const auto wavelength = (*row)[0].value_exact<std::string>();
+    if (!wavelength) table.fail_kind(key, expected, (*row)[0]);
+    RefractiveIndex::Sample sample{0, 0, 0};
+    try {
+      sample.wavelength = parse_length(*wavelength, "wavelength");
+    } catch (const Error& e) {
+      fail("{}{} for \"{}\"", table.place((*row)[0].source()), e.what(), key);
+    }
+    require(sample.wavelength > 0, "{}expected a wavelength above 0 m for \"{}\", got {}",
+            table.place((*row)[0].source()), key, *wavelength);
+    for (size_t i = 1; i < row->size(); ++i) {
+      const auto number = to_number((*row)[i]);
+      if (!number) table.fail_kind(key, expected, (*row)[i]);
+      (i == 1 ? sample.n : sample.k) = *number;
+    }
+    check_sample(sample, table.place(item.source()));
+    index.samples.push_back(sample);
+  }
+  return in_order(std::move(index), table.where(key));
+}
+
+RefractiveIndex from_file(TomlTable& table, const char* key, const std::string& name) {
+  RefractiveIndex index;
+  table.locate(key, [&] { index = load_index_table(table.beside(key, name)); });
+  return index;
+}
+
+// An index from a list in the scene, or from a file beside it.
+RefractiveIndex from_table(TomlTable& table, const char* key, const toml::node& node, const char* expected) {
+  if (const toml::array* list = node.as_array()) return from_list(table, key, *list, expected);
+  const auto name = node.value_exact<std::string>();
+  if (!name) table.fail_kind(key, expected, node);
+  return from_file(table, key, *name);
+}
+
+double parse_number(const std::string& word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  require(error == std::errc() && end == word.data() + word.size(), "no number");
+  return value;
+}
+
+void check_transparent(const RefractiveIndex& index, const std::string& where) {
+  for (const auto& sample : index.samples)
+    require(sample.k == 0, "{}expected a glass without absorption (k = 0), got k = {}; a metal is a \"conductor\"",
+            where, sample.k);
+}
+
+}  // namespace
+
+void read_metal_index(TomlTable& table, const char* key, RefractiveIndex& index) {
+  const toml::node* node = table.find(key);
+  if (!node) return;
+  constexpr const char* expected = "{ n = 0.05, k = 3.4 }, a list [[\"450 nm\", 0.04, 2.6], …] or a table file";
+  if (node->is_table()) {
+    auto inner = *table.table(key);
+    double n = 0, k = 0;
+    inner.know("k");
+    inner.require_key("n");
+    inner.number("n", n, range::positive);
+    inner.number("k", k, range::not_negative);
+    inner.refuse_unknown_keys();
+    index = constant_index(n);
+    index.samples.front().k = k;
+    check_sample(index.samples.front(), inner.where("n"));
+  } else {
+    index = from_table(table, key, *node, expected);
+  }
+}
+
+void read_glass_index(TomlTable& table, const char* key, RefractiveIndex& index) {
+  const toml::node* node = table.find(key);
+  if (!node) return;
+  constexpr const char* expected = "a number such as 1.5, a list [[\"450 nm\", 1.526], …] or a table file";
+  if (const auto number = to_number(*node)) {
+    check_sample({0, *number, 0}, table.where(key));
+    index = constant_index(*number);
+  } else {
+    index = from_table(table, key, *node, expected);
+  }
+  check_transparent(index, table.where(key));
+}
+
+RefractiveIndex load_index_table(const std::string& path) {
+  check_file_exists(path, "a table of refractive indices");
+  const std::string text = read_lines(path);
+  std::string_view rest = text, line;
+  RefractiveIndex index;
+  for (size_t number = 1; next_line(rest, line); ++number) {
+    std::string content(without_comment(line));
+    std::replace(content.begin(), content.end(), ',', ' ');
+    std::istringstream stream(content);
+    const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+    if (words.empty()) continue;
+    const std::string where = fmt::format("{}:{}: ", path, number);
+    try {
+      require(words.size() == 3 || words.size() == 4, "too few or many words");
+      RefractiveIndex::Sample sample{parse_length(words[0] + " " + words[1]), parse_number(words[2]), 0};
+      if (words.size() == 4) sample.k = parse_number(words[3]);
+      require(sample.wavelength > 0, "no wavelength");
+      index.samples.push_back(sample);
+    } catch (const Error&) {
+      fail("{}expected a wavelength with its unit, n and k, such as \"450 nm 0.04 2.6\", got \"{}\"", where, line);
+    }
+    check_sample(index.samples.back(), where);
+  }
+  require(!index.samples.empty(), "{}: expected lines such as \"450 nm 0.04 2.6\", got none", path);
+  return in_order(std::move(index), path + ": ");
+}
+
 namespace {
 
 using Texture = std::shared_ptr<const Image>;

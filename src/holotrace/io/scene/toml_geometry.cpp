@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "holotrace/base/rotation.h"
 #include "holotrace/base/units.h"
+#include "holotrace/base/vec.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {

@@ -8,8 +8,10 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
@@ -18,8 +20,78 @@
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/params/synthesize.h"
 #include "holotrace/data/params/trace.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/files/file_kind.h"
+#include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/scene_tables.h"
 
 namespace holotrace {
+namespace {
+
+// What the parser expected, by words of its own message.
+std::string expected_by(std::string_view message, const std::string& line) {
+  struct Case {
+    std::string_view word, expected;
+  };
+  constexpr std::string_view value = "a value: a number, a text in quotes, true, false, or a list in [ ]";
+  constexpr Case cases[] = {
+      {"utf-8", "text in UTF-8, got other bytes"},
+      {"surrogate", "characters of Unicode, got half of a pair"},
+      {"control character", "text, got a control character"},
+      {"escape", "an escape sequence such as \\n or \\\\ in a text"},
+      {"while parsing string", "a text that ends with the quote that it began with"},
+      {"redefine", "each key and each table once, got one twice"},
+      {"already", "each key and each table once, got one twice"},
+      {"duplicate", "each key and each table once, got one twice"},
+      {"while parsing table header", "a table such as [camera] or [[object]]"},
+      {"while parsing inline table", "a table such as { a = 1, b = 2 }"},
+      {"while parsing array", "a list such as [1, 2, 3]"},
+      {"nesting", "less nesting"},
+      {"while parsing boolean", "true or false"},
+      {"while parsing comment", "a comment of text after #"},
+      {"end-of-file", "KEY = VALUE, but the file ends"},
+      {"expected value", value},
+      {"determine value type", value},
+      {"while parsing key", "KEY = VALUE"},
+      {"while parsing", "a number that fits, or a text in quotes, such as 12, 0.5, 1e-3 or \"8 um\""},
+  };
+  if (message.find("while parsing key") != std::string_view::npos && line.starts_with('['))
+    message = "while parsing table header";
+  for (const Case& c : cases)
+    if (message.find(c.word) != std::string_view::npos) return std::string(c.expected);
+  return "KEY = VALUE, a [TABLE] or a # comment";
+}
+
+std::string line_of(const std::string& text, uint32_t number) {
+  constexpr size_t most = 60;
+  size_t begin = 0;
+  for (uint32_t line = 1; line < number && begin != std::string::npos; ++line) {
+    begin = text.find('\n', begin);
+    if (begin != std::string::npos) ++begin;
+  }
+  if (begin == std::string::npos) return "";
+  const std::string line = text.substr(begin, text.find('\n', begin) - begin);
+  return line.size() <= most ? line : line.substr(0, most) + "…";
+}
+
+}  // namespace
+
+toml::table parse_toml(const std::string& path, const char* kind) {
+  check_file_exists(path, kind);
+  const std::string text = read_lines(path);
+  check_toml_nesting(text, path);
+  try {
+    return toml::parse(text, path);
+  } catch (const toml::parse_error& e) {
+    const auto at = e.source().begin;
+    const std::string line = line_of(text, at.line);
+    const std::string known = extension_of(path) == ".toml" ? "" : kind_by_bytes(path);
+    if (!known.empty()) fail("{}: expected {}, got {}", path, kind, known);
+    fail("{}:{}:{}: expected {}; the line is \"{}\"", path, at.line, at.column, expected_by(e.description(), line),
+         line);
+  }
+}
+
 namespace {
 
 using Places = std::multimap<std::string, std::string>;  // by key
@@ -324,6 +396,20 @@ void TomlTable::refuse_unknown_keys() const {
                      ? fmt::format("unknown key \"{}\" in {}; it belongs {}", name, name_, fmt::join(tables, " or "))
                      : unknown_name_message("key", name, {known_.begin(), known_.end()})));
   }
+}
+
+Image read_image(TomlTable& table, const char* key, ImageContent content) {
+  if (const auto index = table.array_index(key)) {
+    const auto& images = table.arrays()->images;
+    require(*index < images.size(), "{}expected the index of one of {} images for \"{}\", got {}", table.where(key),
+            images.size(), key, *index);
+    return images[*index];
+  }
+  std::string name;
+  table.text(key, name);
+  Image image;
+  table.locate(key, [&] { image = load_image(table.beside(key, name), content); });
+  return image;
 }
 
 }  // namespace holotrace

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
@@ -40,5 +43,10 @@ Hologram blank_hologram(const Field& field, const Slm& slm, const EncodeParams& 
 
 /// The field that shows the real image: conj(U).
 Field conjugate(const Field& field);
+
+/// The stop (Hologram::filter) that a hologram with these parameters will name, known before encoding; none if it needs
+/// none.
+/// @throws Error  for a reference that is too steep for the pitch (off_axis.h)
+std::optional<SpectralFilter> stop_of(const EncodeParams& params, const Grid& grid, double wavelength);
 
 }  // namespace holotrace

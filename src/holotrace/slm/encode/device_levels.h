@@ -3,12 +3,10 @@
 #include <cstdint>
 
 #include "holotrace/base/array.h"
-#include "holotrace/slm/encode/device_low_pass.h"
-#include "holotrace/slm/encode/device_moments.h"
-#include "holotrace/slm/encode/device_samples.h"
+#include "holotrace/slm/encode/low_pass.h"
 #include "holotrace/slm/encode/reference_wave.h"
 #include "holotrace/slm/encode/shown_pixels.h"
-#include "holotrace/wave/shared/sample_rows.h"
+#include "holotrace/wave/shared/device_field.h"
 
 // What the loops over pixels of the encoders have in common on OpenCL devices, where they are kernels in single precision.
 // Errors are those of Device.

@@ -1,5 +1,3 @@
-#include "holotrace/slm/encode/device_moments.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "holotrace/wave/shared/sample_rows.h"
+#include "holotrace/slm/encode/shown_pixels.h"
+#include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
 namespace {

@@ -14,12 +14,8 @@
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/device_levels.h"
-#include "holotrace/slm/encode/encoders.h"
-#include "holotrace/slm/encode/stop.h"
 #include "holotrace/wave/shared/cost_model.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "holotrace/wave/shared/device_room.h"
-#include "holotrace/wave/shared/fastest_device.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 
 namespace holotrace {
 namespace {

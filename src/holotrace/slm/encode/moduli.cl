@@ -1,4 +1,4 @@
-// Moduli of samples (device_moments.h), compiled together with sample_place_kernel.h and compensated_sum_kernel.h. A group
+// Moduli of samples (shown_pixels.h), compiled together with sample_place_kernel.h and compensated_sum_kernel.h. A group
 // of GROUP items takes a row, in an order that does not depend on the device.
 
 // Of each row the largest |re| or |im|, as the bits of a float: they have the order of the numbers, and those of an infinity

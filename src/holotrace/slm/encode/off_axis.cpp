@@ -8,12 +8,11 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
-#include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/device_levels.h"
-#include "holotrace/slm/encode/frequency_band.h"
 #include "holotrace/slm/encode/interference_kernel.h"
+#include "holotrace/slm/encode/low_pass.h"
 #include "holotrace/slm/panel/pixel_kernel.h"
 
 namespace holotrace {

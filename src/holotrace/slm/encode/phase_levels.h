@@ -9,7 +9,7 @@
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/slm.h"
-#include "holotrace/slm/panel/level_table.h"
+#include "holotrace/slm/panel/pixel_response.h"
 
 namespace holotrace {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "holotrace/base/array.h"
-#include "holotrace/slm/panel/blur_loops.h"
+#include "holotrace/slm/panel/panel_loops.h"
 
 namespace holotrace {
 namespace {

@@ -76,7 +76,7 @@ class DevicePanel {
   /// Adds factor·∂f/∂drive to the slopes, given g = ∂f/∂Re u + i·∂f/∂Im u (PanelModel::add_slopes).
   void add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to, Memory& memory);
 
-  // What `leave` is made of, for the whole panel or for bands (banded_panel.h).
+  // What `leave` is made of, for the whole panel or for bands (panel_field_by_device.h).
 
   struct Sizes {
     int nx, ny, n;

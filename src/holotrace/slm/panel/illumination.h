@@ -1,13 +1,37 @@
 #pragma once
 
 #include <complex>
+#include <vector>
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/params/show.h"
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/data/slm.h"
+#include "holotrace/data/source_part.h"
 
 namespace holotrace {
+
+/// The light and the panel at one instant, in which all light interferes. Light of different states does not interfere:
+/// a camera sees the sum of the states' irradiances, each times its weight.
+struct IlluminationState {
+  double wavelength = 0;          ///< [m]
+  double tilt_x = 0, tilt_y = 0;  ///< tilt of the light from the panel's axis [rad]
+  double flicker = 0;             ///< instantaneous value of the phase ripple, in [−1, 1]
+  double weight = 1;              ///< weight of its irradiance; the weights of all states sum to 1
+  SourcePart source{};            ///< the part of an extended source that this direction stands for
+};
+
+/// The illumination states whose irradiances are averaged for a partly coherent source or a panel that flickers. They
+/// are `params.illumination_states` points of a low-discrepancy sequence over the spectrum (a Gaussian), the source (a
+/// disc) and the period of the ripple (a sinusoid). They have equal weights, and the mean wavelength and tilt of the
+/// source. Each stands for the part of the source nearest to its direction. Coherent light without flicker: one state.
+/// The number needed depends on where the light goes: see plan_illumination (run/illumination_plan.h); 0 means 16.
+///
+/// @param slm         the panel with the effects that are on (with_effects)
+/// @param params      bandwidth, source angle, tilt, illumination states
+/// @param wavelength  middle of the spectrum [m]
+/// @throws Error      for widths or counts below 0, and for a spectrum that reaches 0 m
+std::vector<IlluminationState> illumination_states(const Slm& slm, const ShowParams& params, double wavelength);
 
 /// The light on a panel, of amplitude 1 at its centre, on the samples of `grid`:
 ///

@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include "holotrace/data/panel_tiles.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/slm/panel/device_panel.h"
 #include "holotrace/slm/panel/panel_parts.h"
 

@@ -1,9 +1,15 @@
 #include "holotrace/slm/panel/panel_model.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/data/params/parameter.h"
+#include "holotrace/slm/panel/checks.h"
 #include "holotrace/slm/panel/panel_parts.h"
+#include "holotrace/slm/panel/static_errors.h"
 #include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
@@ -84,6 +90,141 @@ PanelWork PanelModel::work() const {
   work.sent = sample_bytes * pixels;
   work.fetched = sample_bytes * samples;
   return work;
+}
+
+namespace {
+
+const Slm& checked(const Slm& slm, const ShowParams& params, int levels, const PixelExpansion& expansion) {
+  check_slm(slm);
+  check_levels(levels);
+  check_ranges(params);
+  const double n = params.subpixels, points = expansion.points;
+  const double in_rows = 8.0 * slm.grid.nx * (points * points + expansion.pairs() + n);  // of each thread
+  require_memory(8.0 * double(slm.grid.pixels()) * n * (n + expansion.terms) + thread_count() * in_rows,
+                 fmt::format("a panel of {} × {} pixels at {} samples per pixel and axis", slm.grid.nx, slm.grid.ny,
+                             params.subpixels));
+  return slm;
+}
+
+double stretch_of(double design, const IlluminationState& m) {
+  check_wavelength(m.wavelength);
+  return design > 0 ? design / m.wavelength : 1;
+}
+
+}  // namespace
+
+PanelModel::Parts::Parts(const Slm& panel, const ShowParams& p, Modulation modulation_, int levels_, double design,
+                         const IlluminationState& m, const PixelExpansion& e)
+    : slm(checked(panel, p, levels_, e)),
+      params(p),
+      modulation(modulation_),
+      levels(levels_),
+      state(m),
+      out{p.subpixels * panel.grid.nx, p.subpixels * panel.grid.ny, panel.grid.pitch / p.subpixels},
+      response(slm, modulation, levels, stretch_of(design, m), slm.effects.flicker * m.flicker),
+      has_crosstalk(slm.effects.crosstalk > 0),
+      expansion(e),
+      points(e.points, e.terms),
+      blur(slm, points.places),
+      row(panel.grid.nx, p.subpixels, e.terms, slm.lit_x(), std::sqrt(p.irradiance)),
+      column(panel.grid.ny, p.subpixels, e.terms, slm.lit_y(), 1),
+      light(illuminate(out, p, m)),
+      static_errors(static_phasors(slm, stretch_of(design, m))),
+      gap(std::polar(float(slm.effects.gap_amplitude), float(slm.effects.gap_phase))),
+      stuck(stuck_pixels(slm)) {
+  for (int j = 0; j <= slm.grid.ny; ++j)
+    stuck_of_row.push_back(size_t(std::lower_bound(stuck.begin(), stuck.end(), int64_t(j) * slm.grid.nx,
+                                                   [](const StuckPixel& p, int64_t i) { return p.pixel < i; }) -
+                                  stuck.begin()));
+  if (has_gap() && static_errors.size() > 0) gap_field = full_pixels(static_errors);
+}
+
+void PanelModel::Parts::check(const Array2D<float>& drive, const char* what) const {
+  require(drive.nx == nx() && drive.ny == ny(), "expected a {} of {} × {} pixels, as the SLM \"{}\" has, got {} × {}",
+          what, nx(), ny(), slm.name, drive.nx, drive.ny);
+}
+
+void PanelModel::Parts::check_pattern(const Array2D<float>& drive, const Array2D<float>* modulus) const {
+  check(drive, "drive");
+  require((modulus != nullptr) == (modulation == Modulation::complex),
+          "expected levels of the modulus only for complex modulation");
+  if (modulus) check(*modulus, "modulus");
+}
+
+// The drive of row j, with the levels of its dead pixels.
+const float* PanelModel::Parts::drive_of_row(const Array2D<float>& drive, int j, AlignedVector<float>& copy,
+                                             bool is_modulus) const {
+  const size_t begin = stuck_of_row[size_t(j)], end = stuck_of_row[size_t(j) + 1];
+  if (begin == end) return drive.row(j);
+  copy.assign(drive.row(j), drive.row(j) + nx());
+  const bool is_phase = modulation != Modulation::amplitude && !is_modulus;
+  const double scale = is_phase ? double(levels) / slm.levels : (levels - 1.0) / (slm.levels - 1.0);
+  for (size_t k = begin; k < end; ++k) copy[size_t(stuck[k].pixel - int64_t(j) * nx())] = float(stuck[k].level * scale);
+  return copy.data();
+}
+
+// Phase and amplitude of the pixels of row j, before crosstalk.
+void PanelModel::Parts::phases_of_row(const Array2D<float>& drive, int j, bool wraps, float* cycles) const {
+  AlignedVector<float> copy;
+  const float* level = drive_of_row(drive, j, copy, false);
+  if (wraps)
+    response.wrapped_cycles(level, nx(), cycles);
+  else
+    response.cycles(level, nx(), cycles);
+}
+
+void PanelModel::Parts::amplitudes_of_row(const Array2D<float>& drive, const Array2D<float>* modulus, int j,
+                                          float* amplitude) const {
+  AlignedVector<float> copy;
+  response.amplitudes(drive_of_row(drive, j, copy, false), nx(), amplitude);
+  if (!modulus) return;
+  const float* level = drive_of_row(*modulus, j, copy, true);
+  const float scale = 1.0F / float(levels - 1);
+  for (int i = 0; i < nx(); ++i) amplitude[i] *= scale * level[i];
+}
+
+size_t PanelModel::Parts::blur_floats(const Array2D<float>* modulus) const {
+  return has_crosstalk ? size_t(nx()) * size_t(ny()) * (has_amplitude(modulus) ? 2 : 1) : 0;
+}
+
+DrivenPixels PanelModel::Parts::driven(const Array2D<float>& drive, const Array2D<float>* modulus, float* space) const {
+  if (!has_crosstalk) return {drive, modulus};
+  float* cycles = space;
+  float* amplitudes = has_amplitude(modulus) ? space + size_t(nx()) * size_t(ny()) : nullptr;
+  parallel_for(0, ny(), [&](int64_t j) {
+    const size_t at = size_t(j) * size_t(nx());
+    phases_of_row(drive, int(j), false, cycles + at);
+    if (amplitudes) amplitudes_of_row(drive, modulus, int(j), amplitudes + at);
+  });
+  return {drive, modulus, cycles, amplitudes};
+}
+
+PanelModel::Parts::RowSpace::RowSpace(const Parts& parts)
+    : pixels_(size_t(parts.nx())), count_(parts.expansion.terms), loan_(parts.workspace, [&] {
+        const size_t points = size_t(parts.expansion.points), terms = size_t(count_);
+        return 2 * (pixels_ * (points * points + size_t(parts.expansion.pairs()) + size_t(parts.params.subpixels)) +
+                    chunk * points * (1 + terms));
+      }()) {
+  const size_t points = size_t(parts.expansion.points);
+  light = reinterpret_cast<Complex*>(loan_.data());
+  along_x = light + points * chunk;
+  terms_ = along_x + points * size_t(count_) * chunk;
+  samples = terms_ + size_t(parts.expansion.pairs()) * pixels_;
+  cycles = reinterpret_cast<float*>(samples + size_t(parts.out.nx));
+  amplitudes = cycles + points * points * pixels_;
+}
+
+void PanelModel::Parts::points_of_row(const DrivenPixels& pixels, int j, RowSpace& space) const {
+  if (!has_crosstalk) {
+    phases_of_row(pixels.drive, j, true, space.cycles);
+    if (has_amplitude(pixels.modulus)) amplitudes_of_row(pixels.drive, pixels.modulus, j, space.amplitudes);
+    return;
+  }
+  for (int cy = 0; cy < expansion.points; ++cy) {
+    const size_t at = size_t(cy * expansion.points) * size_t(nx());
+    blur.to_points(pixels.cycles, j, cy, space.cycles + at);
+    if (pixels.amplitudes) blur.to_points(pixels.amplitudes, j, cy, space.amplitudes + at);
+  }
 }
 
 }  // namespace holotrace

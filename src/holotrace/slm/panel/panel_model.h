@@ -6,9 +6,9 @@
 #include "holotrace/base/array.h"
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/show.h"
+#include "holotrace/data/rates.h"
 #include "holotrace/data/slm.h"
-#include "holotrace/data/summation_rates.h"
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/illumination.h"
 
 namespace holotrace {
 
@@ -30,7 +30,7 @@ struct PanelWork {
 ///     drive, except of dead pixels → phase φ(ℓ), amplitude a(ℓ), flicker                pixel_response.h
 ///           → blur of both (crosstalk) → a·exp(iφ)                       crosstalk.h, pixel_expansion.h
 ///           → light on lit areas, γ in the gaps between them → static errors √m·exp(iψ)   static_errors.h
-///           → band limited to n/2p                                                        pixel_line.h
+///           → band limited to n/2p                                                        pixel_expansion.h
 ///           → times the illumination √E·e(x, y)                                           illumination.h
 ///
 /// The panel's spectrum, which repeats at every 1/p, is multiplied by the exact spectrum of the aperture. The

@@ -5,18 +5,17 @@
 #include <vector>
 
 #include "holotrace/base/array.h"
-#include "holotrace/base/workspace.h"
+#include "holotrace/base/large_buffer.h"
 #include "holotrace/data/field.h"
 #include "holotrace/slm/panel/crosstalk.h"
-#include "holotrace/slm/panel/dead_pixels.h"
 #include "holotrace/slm/panel/illumination.h"
 #include "holotrace/slm/panel/panel_model.h"
 #include "holotrace/slm/panel/pixel_expansion.h"
-#include "holotrace/slm/panel/pixel_line.h"
 #include "holotrace/slm/panel/pixel_response.h"
+#include "holotrace/slm/panel/static_errors.h"
 
 // The members of a PanelModel and its steps: rows of pixels here, light in panel_light.cpp, gradients in
-// panel_gradient.cpp.
+// panel_light.cpp.
 
 namespace holotrace {
 
@@ -120,7 +119,7 @@ struct PanelModel::Parts {
   void add_gaps(Array2D<Complex>& field) const;
   void illuminate_samples(Array2D<Complex>& field) const;
 
-  // panel_gradient.cpp
+  // panel_light.cpp
   void add_slopes(const Pattern& pattern, const Array2D<Complex>& gradient, double factor, const Slopes& to) const;
   void gather_columns(const Array2D<Complex>& gradient, Complex* rows) const;
   Complex unlit(Complex g, int j, int i) const;

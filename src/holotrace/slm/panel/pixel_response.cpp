@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "holotrace/base/units.h"
+#include "holotrace/slm/panel/checks.h"
 
 namespace holotrace {
 namespace {
@@ -87,6 +88,35 @@ void PixelResponse::pull_back(const float* drive, int count, const float* of_cyc
     of_drive[i] = table_.cycles_per_level * of_cycles[i];
     if (of_amplitudes) of_drive[i] += (modulus ? modulus[i] : 1) * per_level * of_amplitudes[i];
   }
+}
+
+LevelTable::LevelTable(const Slm& slm, int levels, double stretch) : cycles_(size_t(levels)) {
+  check_levels(levels);
+  const PixelResponse response(slm, Modulation::phase, levels, stretch, 0);
+  double first = 0, last = 0;
+  for (int level = 0; level < levels; ++level) {
+    const double cycles = response.cycles_at(level);
+    (level == 0 ? first : last) = cycles;
+    cycles_[size_t(level)] = cycles - std::floor(cycles);
+    sorted_.push_back({cycles_[size_t(level)], level});
+  }
+  range_ = last - first;
+  std::sort(sorted_.begin(), sorted_.end(), [](const Shown& a, const Shown& b) {
+    return a.cycles < b.cycles || (a.cycles == b.cycles && a.level < b.level);
+  });
+}
+
+int LevelTable::level_of(double cycles) const {
+  cycles -= std::floor(cycles);
+  const auto above = std::lower_bound(sorted_.begin(), sorted_.end(), cycles,
+                                      [](const Shown& shown, double c) { return shown.cycles < c; });
+  const Shown& next = above == sorted_.end() ? sorted_.front() : *above;
+  // Of the levels that show the phase below, take the first: levels of equal phase are sorted lowest first.
+  const Shown& before = above == sorted_.begin() ? sorted_.back() : *(above - 1);
+  const auto around = [](double difference) { return std::abs(difference - std::round(difference)); };
+  const double off_next = around(next.cycles - cycles), off_before = around(before.cycles - cycles);
+  if (off_next == off_before) return std::min(next.level, before.level);
+  return off_next < off_before ? next.level : before.level;
 }
 
 }  // namespace holotrace

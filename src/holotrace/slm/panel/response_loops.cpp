@@ -1,4 +1,4 @@
-#include "holotrace/slm/panel/response_loops.h"
+#include "holotrace/slm/panel/panel_loops.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/slm/panel/response_loops.cpp"

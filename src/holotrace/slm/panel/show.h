@@ -4,7 +4,7 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
-#include "holotrace/slm/panel/illumination_states.h"
+#include "holotrace/slm/panel/illumination.h"
 #include "holotrace/wave/shared/placed_field.h"
 
 namespace holotrace {
@@ -50,7 +50,7 @@ struct ShownLight {
   double power_in = 0;
 };
 
-/// The same for one illumination state of partly coherent light or of a panel that flickers (illumination_states.h),
+/// The same for one illumination state of partly coherent light or of a panel that flickers (illumination.h),
 /// with its wavelength and tilts. The function above is for the mean state: the middle of the spectrum and of the
 /// source, without ripple.
 ShownField show_state(const Hologram& hologram, const Slm& slm, const ShowParams& params,

@@ -1,14 +1,16 @@
 #include "holotrace/slm/panel/static_errors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <vector>
 
 #include "holotrace/base/cycles.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 
 namespace holotrace {
-
 namespace {
 
 // A Zernike polynomial, prepared for many points: R_n^|m|(ρ)·{cos, sin}(|m|θ) is a polynomial in ρ² times the real or
@@ -65,6 +67,28 @@ Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch) {
     }
   });
   return phasors;
+}
+
+std::vector<StuckPixel> stuck_pixels(const Slm& slm) {
+  const SlmEffects& effects = slm.effects;
+  const int nx = slm.grid.nx;
+  std::vector<std::vector<StuckPixel>> rows(size_t(slm.grid.ny));
+  if (effects.dead_fraction > 0)
+    parallel_for(0, slm.grid.ny, [&](int64_t j) {
+      for (int i = 0; i < nx; ++i) {
+        CounterRandom random(uint64_t(effects.dead_seed), 0, uint64_t(j * nx + i));
+        if (random.uniform() < effects.dead_fraction)
+          rows[size_t(j)].push_back({j * nx + i, int(random.uniform() * slm.levels)});
+      }
+    });
+  std::map<int64_t, int> level_of;
+  for (const auto& row : rows)
+    for (const StuckPixel& pixel : row) level_of[pixel.pixel] = pixel.level;
+  for (const DeadPixel& pixel : effects.dead_pixels) level_of[int64_t(pixel.row) * nx + pixel.column] = pixel.level;
+  std::vector<StuckPixel> all;
+  all.reserve(level_of.size());
+  for (const auto& [pixel, level] : level_of) all.push_back({pixel, level});
+  return all;
 }
 
 }  // namespace holotrace

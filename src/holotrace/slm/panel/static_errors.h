@@ -1,6 +1,8 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
+#include <vector>
 
 #include "holotrace/base/array.h"
 #include "holotrace/data/slm.h"
@@ -20,5 +22,15 @@ double zernike(int n, int m, double rho, double theta);
 /// the panel's corners, evaluated at the pixels' centres, plus its phase map. m is the light map, 1 without one. Empty
 /// if the panel has none of these.
 Array2D<std::complex<float>> static_phasors(const Slm& slm, double stretch);
+
+/// A pixel, by its index row·nx + column, that always shows the same level of the panel.
+struct StuckPixel {
+  int64_t pixel = 0;
+  int level = 0;
+};
+
+/// All dead pixels of a panel, by index, each once: those that the panel lists, and every other pixel with probability
+/// `dead_fraction`, at a uniformly random level. Pixel i draws from the counter (dead_seed, i): the same on any thread.
+std::vector<StuckPixel> stuck_pixels(const Slm& slm);
 
 }  // namespace holotrace

@@ -14,7 +14,6 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/geometry/ray_packet.h"
-#include "holotrace/trace/geometry/scene_checks.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
 
 namespace holotrace {

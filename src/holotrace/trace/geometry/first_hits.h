@@ -7,7 +7,6 @@
 #include "holotrace/base/random.h"
 #include "holotrace/data/astigmatic_wave.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/panel_tiles.h"
 #include "holotrace/data/params/trace.h"
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/shared/sampling.h"

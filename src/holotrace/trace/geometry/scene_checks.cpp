@@ -1,11 +1,10 @@
-#include "holotrace/trace/geometry/scene_checks.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/trace/geometry/accelerator.h"
 
 namespace holotrace {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 

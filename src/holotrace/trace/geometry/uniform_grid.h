@@ -25,7 +25,7 @@ struct GridCounts {
   GridCounts& operator+=(const GridCounts& other);
 };
 
-/// Figures of a grid from which its cost is estimated (estimate/grid_cost.h).
+/// Figures of a grid from which its cost is estimated (estimate/cost.h).
 struct GridStatistics {
   int64_t triangles = 0;                      ///< triangles with an area
   int64_t cells = 0;                          ///< cells of the grid

@@ -4,8 +4,7 @@
 #include <array>
 #include <complex>
 
-#include "holotrace/trace/materials/shading_frame.h"
-#include "holotrace/trace/materials/texture.h"
+#include "holotrace/trace/materials/microfacet.h"
 
 namespace holotrace {
 

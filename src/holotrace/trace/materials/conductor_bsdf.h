@@ -6,12 +6,11 @@
 
 #include "holotrace/trace/materials/fresnel.h"
 #include "holotrace/trace/materials/lobe.h"
-#include "holotrace/trace/materials/rough_reflection.h"
-#include "holotrace/trace/materials/shading_frame.h"
+#include "holotrace/trace/materials/microfacet.h"
 
 namespace holotrace {
 
-/// A metal in air: a mirror (specular), or GGX microfacets with Fresnel's reflectance (glossy, rough_reflection.h). A
+/// A metal in air: a mirror (specular), or GGX microfacets with Fresnel's reflectance (glossy, microfacet.h). A
 /// white rough metal reflects everything. Only mirrors add a phase.
 struct ConductorBsdf {
   Vec3 normal, geometric_normal;

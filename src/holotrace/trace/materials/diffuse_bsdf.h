@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "holotrace/trace/materials/lobe.h"
+#include "holotrace/trace/shared/ray.h"
 #include "holotrace/trace/shared/sampling.h"
-#include "holotrace/trace/shared/surface_point.h"
 
 namespace holotrace {
 

@@ -4,8 +4,7 @@
 
 #include "holotrace/trace/materials/fresnel.h"
 #include "holotrace/trace/materials/lobe.h"
-#include "holotrace/trace/materials/rough_reflection.h"
-#include "holotrace/trace/materials/shading_frame.h"
+#include "holotrace/trace/materials/microfacet.h"
 #include "holotrace/trace/shared/sampling.h"
 
 namespace holotrace {
@@ -15,7 +14,7 @@ namespace holotrace {
 ///
 ///     f = (1 − m)·(f_coat + c/π · (1 − A(o))·(1 − A(i))/(1 − Ā)) + m·f_metal.
 ///
-/// Metal and coat are GGX microfacets with Schlick's reflectance (glossy, rough_reflection.h; specular when smooth). A
+/// Metal and coat are GGX microfacets with Schlick's reflectance (glossy, microfacet.h; specular when smooth). A
 /// is the albedo of the coat and Ā its mean: the reciprocal coupling of Kelemen and Szirmay-Kalos (Eurographics 2001).
 /// A white metal and a white dielectric reflect everything at every roughness. The example in the appendix has single
 /// scattering only, so rough metals are darker than their colour; it couples by 1 − F(o·h), which reflects more than it

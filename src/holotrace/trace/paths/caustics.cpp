@@ -14,7 +14,6 @@
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/path_scene.h"
-#include "holotrace/trace/paths/path_weights.h"
 
 namespace holotrace {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "holotrace/base/vec.h"
-#include "holotrace/trace/lights/light_lanes.h"
+#include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/shared/lanes.h"
 
 // What paths do on diffuse surfaces that only reflect, for up to most_together of them in vector lanes. Of all arrays, the

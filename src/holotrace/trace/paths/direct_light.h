@@ -10,7 +10,6 @@
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/diffuse_lanes.h"
 #include "holotrace/trace/paths/path.h"
-#include "holotrace/trace/paths/path_weights.h"
 
 // Sampling of the lights from a surface (formulas: path.h, add_radiance).
 

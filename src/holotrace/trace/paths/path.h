@@ -7,6 +7,9 @@
 
 #include "holotrace/base/low_discrepancy.h"
 #include "holotrace/base/observer.h"
+#include "holotrace/base/vec.h"
+#include "holotrace/data/path_expression.h"
+#include "holotrace/trace/materials/lobe.h"
 #include "holotrace/trace/paths/path_scene.h"
 
 namespace holotrace {
@@ -130,5 +133,19 @@ using Phasors = std::array<std::complex<double>, 3>;
 /// A clamp limits each contribution by itself.
 void laser_phasors(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Phasors> sums,
                    PathCounts& counts);
+
+/// Whether no component carries light.
+inline bool is_black(Vec3 v) { return v.x <= 0 && v.y <= 0 && v.z <= 0; }
+
+/// The power heuristic: the weight of light found with density `own` if another technique has the density `other`.
+inline double shared_weight(double own, double other) {
+  const double ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+/// The letter of path expressions for a lobe.
+inline PathEvent event_of(Lobe lobe) {
+  return lobe == Lobe::diffuse ? PathEvent::diffuse : lobe == Lobe::glossy ? PathEvent::glossy : PathEvent::specular;
+}
 
 }  // namespace holotrace

@@ -2,12 +2,88 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <variant>
 
 #include "holotrace/base/error.h"
+#include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
 
 namespace holotrace {
+namespace {
+
+constexpr size_t most_planes = 16;       // of a mesh
+constexpr double same_direction = 1e-9;  // 1 − cosine of an angle of 4e-5 rad
+
+Vec3 mirrored_direction(Vec3 v, const FlatMirror& mirror) { return v - mirror.normal * (2 * dot(v, mirror.normal)); }
+Vec3 mirrored_place(Vec3 p, const FlatMirror& mirror) {
+  return mirror.place + mirrored_direction(p - mirror.place, mirror);
+}
+
+Light mirror_image(const Light& light, const FlatMirror& mirror) {
+  Light image = light;
+  if (auto* lamp = std::get_if<PointLight>(&image)) lamp->position = mirrored_place(lamp->position, mirror);
+  if (auto* spot = std::get_if<SpotLight>(&image)) {
+    spot->position = mirrored_place(spot->position, mirror);
+    spot->direction = mirrored_direction(spot->direction, mirror);
+  }
+  if (auto* beam = std::get_if<DirectionalLight>(&image)) {
+    beam->position = mirrored_place(beam->position, mirror);
+    beam->direction = mirrored_direction(beam->direction, mirror);
+  }
+  return image;
+}
+
+bool reflects(const Material& material, const Lines& lines) {
+  SurfacePoint point;
+  point.normal = point.geometric_normal = {0, 0, 1};
+  const SpecularBranches branches = specular_branches(make_bsdf(material, point, lines), point.normal);
+  return std::any_of(branches.ways.begin(), branches.ways.begin() + branches.count,
+                     [](const BsdfSample& way) { return !way.is_transmission; });
+}
+
+// The planes of a mesh; none if it is curved.
+std::optional<std::vector<FlatMirror>> planes_of(const Mesh& mesh, uint32_t index) {
+  std::vector<FlatMirror> planes;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vec3 a = mesh.positions[i], across = cross(mesh.positions[j] - a, mesh.positions[k] - a);
+    const double size = length(across);
+    if (!(size > 0)) continue;
+    const Vec3 normal = across / size;
+    if (!mesh.normals.empty())
+      for (const uint32_t corner : {i, j, k})
+        if (std::abs(dot(normalize(mesh.normals[corner]), normal)) < 1 - same_direction) return std::nullopt;
+    const double near = 1e-6 * std::sqrt(size);
+    const bool is_known = std::any_of(planes.begin(), planes.end(), [&](const FlatMirror& plane) {
+      return std::abs(dot(plane.normal, normal)) > 1 - same_direction && std::abs(dot(a - plane.place, normal)) <= near;
+    });
+    if (is_known) continue;
+    if (planes.size() == most_planes) return std::nullopt;
+    planes.push_back({index, a, normal, {}});
+  }
+  return planes;
+}
+
+}  // namespace
+
+bool FlatMirror::holds(const SurfacePoint& point) const {
+  return point.light < 0 && point.mesh == mesh && std::abs(dot(point.geometric_normal, normal)) > 1 - same_direction &&
+         std::abs(dot(point.position - place, normal)) <= 8 * point.clearance;
+}
+
+std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines) {
+  std::vector<FlatMirror> mirrors;
+  if (std::all_of(lights.begin(), lights.end(), has_area)) return mirrors;
+  for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const Material& material = scene.materials[size_t(mesh.material)];
+    if (mesh.triangles.empty() || material.normal_map || !reflects(material, lines)) continue;
+    if (auto planes = planes_of(mesh, m)) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors));
+  }
+  for (FlatMirror& mirror : mirrors)
+    for (const Light& light : lights) mirror.images.push_back(mirror_image(light, mirror));
+  return mirrors;
+}
 
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)

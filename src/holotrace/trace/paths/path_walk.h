@@ -11,7 +11,6 @@
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/direct_light.h"
 #include "holotrace/trace/paths/path.h"
-#include "holotrace/trace/paths/path_weights.h"
 
 // The one loop along a light path (formulas: path.h, add_radiance). The light found goes to a Sink:
 //

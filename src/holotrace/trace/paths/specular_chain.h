@@ -5,9 +5,7 @@
 
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/materials/lobe.h"
-#include "holotrace/trace/shared/lines.h"
 #include "holotrace/trace/shared/ray.h"
-#include "holotrace/trace/shared/surface_point.h"
 
 // Chains of mirrors and glass, traced in double at the planes of their triangles, and by geometry alone.
 

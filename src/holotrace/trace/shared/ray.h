@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "holotrace/base/vec.h"
+#include "holotrace/data/spectrum.h"
 
 namespace holotrace {
 
@@ -9,5 +13,36 @@ struct Ray {
   Vec3 origin;     ///< [m]
   Vec3 direction;  ///< unit
 };
+
+/// A point of a surface, as materials and lights need it. Normals are unit vectors on the side that the path
+/// came from.
+struct SurfacePoint {
+  Vec3 position;                    ///< [m]
+  Vec3 geometric_normal;            ///< normal of the triangle
+  Vec3 normal;                      ///< interpolated, for shading
+  Vec2 uv;                          ///< 0 without a texture
+  Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without a normal map
+  Vec3 colour{1, 1, 1};             ///< colour of the vertices, interpolated
+  int material = 0;                 ///< index into Scene::materials (material_at); −1: the surface of a light
+  int light = -1;                   ///< index into Scene::lights, on the surface of a light
+  bool is_front = true;             ///< the path came from the side that sees the triangle counter-clockwise
+  uint32_t mesh = 0, triangle = 0;  ///< numbers in Scene::meshes; surfaces of light_surfaces come after them
+  double clearance = 0;             ///< offset with which a ray must start to avoid meeting the surface again [m]
+};
+
+/// The three wavelengths [m] that a light path carries at once. Radiance, throughput and BSDFs are a Vec3 whose
+/// x, y, z belong to them. The default is for colour pictures: red, green and blue.
+struct Lines {
+  std::array<double, 3> wavelengths{red_line, green_line, blue_line};
+  std::array<Vec3, 3> weights{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< weights of red, green, blue at each
+
+  /// The value of a scene colour at the lines (data/spectrum.h).
+  Vec3 from_rgb(Vec3 rgb) const { return {dot(weights[0], rgb), dot(weights[1], rgb), dot(weights[2], rgb)}; }
+};
+
+/// The lines at three wavelengths [m]; for fewer wavelengths, repeat one.
+inline Lines make_lines(double first, double second, double third) {
+  return {{first, second, third}, {channel_weights(first), channel_weights(second), channel_weights(third)}};
+}
 
 }  // namespace holotrace

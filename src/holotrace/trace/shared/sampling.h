@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "holotrace/base/random.h"
-#include "holotrace/base/splitmix.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
 

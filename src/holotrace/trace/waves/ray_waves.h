@@ -7,7 +7,7 @@
 #include "holotrace/data/params/trace.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/specular.h"
-#include "holotrace/trace/waves/merge_waves.h"
+#include "holotrace/trace/waves/source_phase.h"
 
 // What a ray from the panel finds: the waves that reach the panel along it, with their light and phase. The
 // strategies (trace.h, gather.h) use them in different ways.

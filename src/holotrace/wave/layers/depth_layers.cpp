@@ -9,7 +9,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/data/spectrum.h"
 #include "holotrace/wave/layers/slice.h"

@@ -6,11 +6,10 @@
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/fft.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
-#include "holotrace/base/wrapped.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/wave/layers/layer_plan.h"
 #include "holotrace/wave/layers/layer_spectrum.h"
 
 namespace holotrace {

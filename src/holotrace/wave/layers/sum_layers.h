@@ -19,7 +19,7 @@ namespace holotrace {
 /// below. If slices have masks, light is carried from the farthest slice to the next one, multiplied there by 1 − mask,
 /// the slice's own light is added, and so on to the slice nearest to the viewer, and from there to the panel: near hides
 /// far. The window is padded so that nothing wraps onto the panel. If a slice's whole band needs a larger window,
-/// it keeps the angles that reach the panel (layer_plan.h); the lost light would miss the panel.
+/// it keeps the angles that reach the panel (layer_spectrum.h); the lost light would miss the panel.
 ///
 /// @param layers  their grids on the panel's raster: of its pitch, whole samples apart
 /// @param grid    panel pixels: nx, ny, pitch [m]
@@ -56,7 +56,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 /// inverse of the factor −i/λ·1/d that a point on a raster gets from the Rayleigh–Sommerfeld kernel; 1/cos θ stands for
 /// the kernel's obliquity d/r. A wave that converges in front of the panel is the conjugate of its mirror image. Points
 /// may lie between samples: they are spread by a kernel whose transform is
-/// divided out (spread.h). A wave keeps its place in x and y, its amplitude and its phase on its axis; the error of its
+/// divided out (points_on_slice.h). A wave keeps its place in x and y, its amplitude and its phase on its axis; the error of its
 /// moved depth is stated (slice.h). Waves equal those of sum_exact except for
 ///
 /// - depth: the fact "expected_depth_error", the part of the relative L2 error that the moved depths cause,
@@ -66,7 +66,7 @@ Field sum_layers(const SliceStack& stack, const Grid& grid, const Observer& obse
 ///   their relative error is √(0.45·√(λd)/R) if the whole box is on the panel, R its half side: 26 % at 20 mm, 17 %
 ///   at 0.1 m (532 nm, 8 µm); most of it is within √(λd) of the box's edge.
 ///
-/// With params.has_silhouettes a slice hides everything behind the discs around its waves (silhouette.h).
+/// With params.has_silhouettes a slice hides everything behind the discs around its waves (points_on_slice.h).
 ///
 /// @param params  slices, tolerance (of depth and spreading together), has_silhouettes
 /// @throws Error  as slice_sources does; for tile amplitudes; if there is not enough memory

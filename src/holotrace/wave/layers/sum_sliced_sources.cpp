@@ -6,15 +6,13 @@
 
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/params/check_ranges.h"
-#include "holotrace/wave/layers/layer_plan.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/wave/layers/layer_spectrum.h"
-#include "holotrace/wave/layers/silhouette.h"
+#include "holotrace/wave/layers/points_on_slice.h"
 #include "holotrace/wave/layers/slice.h"
-#include "holotrace/wave/layers/spread.h"
 #include "holotrace/wave/layers/sum_layers.h"
 
 namespace holotrace {

@@ -1,14 +1,79 @@
 #pragma once
 
 #include <atomic>
+#include <complex>
 #include <vector>
 
 #include "holotrace/base/observer.h"
 #include "holotrace/opencl/device.h"
-#include "holotrace/wave/planes/device_plane_tables.h"
+#include "holotrace/wave/planes/plane_correction_kernel.h"
+#include "holotrace/wave/planes/plane_spread.h"
+#include "holotrace/wave/planes/plane_tile.h"
+#include "holotrace/wave/planes/plane_wave_kernel.h"
+#include "holotrace/wave/tiles/device_wave.h"
 #include "holotrace/wave/transform/line_transform.h"
 
 namespace holotrace {
+
+/// The tiles of a plan, from the top left corner of `bounds` on.
+struct PlaneTiles {
+  Grid grid;
+  PixelBox bounds;
+  int side = 0;        ///< [pixels]
+  double tangent = 0;  ///< of the panel's acceptance, with a margin (PlanesModel)
+
+  int across() const { return (bounds.x1 - bounds.x0 + side - 1) / side; }
+  int down() const { return (bounds.y1 - bounds.y0 + side - 1) / side; }
+};
+
+/// The tiles [x0, x1) × [y0, y1) that a wave lights wholly, and whose reference pixels it reaches within the panel's
+/// acceptance, so that its frequency is on their grids. They are a rectangle, which may be empty.
+PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& tiles);
+
+/// Appends the light of `some` waves in all other tiles to `waves`: for each up to four waves, with the boxes that are left
+/// around whole_tiles.
+void append_rest(const std::vector<PreparedWave>& some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves);
+
+// What plane_sum.cl reads besides its grids: waves in packets, and the tables of a plan.
+
+using tile_factor_kernel::PlaneSlab;
+
+/// Waves [first, end) that are neighbours: the boxes of their origins [wavelengths] and of the tiles that they light
+/// wholly. As plane_sum.cl declares it.
+struct PlanePacket {
+  float x0, x1, y0, y1, depth0, depth1;
+  int32_t first, end, tiles_x0, tiles_x1, tiles_y0, tiles_y1;
+};
+
+/// Waves of a packet at most.
+inline constexpr size_t packet_waves = 64;
+
+/// A wave whose box is that of the tiles that it lights wholly.
+DeviceWave device_plane_wave(const PreparedWave& wave, double wavelength, const PlaneTiles& tiles);
+
+/// The packet of waves [first, end).
+PlanePacket packet_of(const std::vector<DeviceWave>& waves, size_t first, size_t end);
+
+PlaneSlab slab_on_device(const Slab& slab, const PlanesTables& tables);
+
+/// f, f², −f² of the cells along an axis, one after the other [cycles/m, cycles²/m²].
+std::vector<std::complex<float>> frequency_factors(const PlanesTables& tables);
+
+/// plane_chirp of each slab's nodes, one after the other.
+std::vector<std::complex<float>> all_chirps(const std::vector<Slab>& slabs, const PlanesTables& tables);
+
+/// Corrections of each slab's nodes.
+std::vector<Correction<float>> all_corrections(const std::vector<Slab>& slabs, const PlanesTables& tables);
+
+/// The gridding kernel's first and second moment for each pixel along an axis.
+std::vector<std::complex<float>> all_moments(const PlanesTables& tables);
+
+/// The gridding kernel's polynomials, [power][cell].
+std::vector<float> all_coefficients(const PlanesTables& tables);
+
+/// Places of the tiles' reference pixels along both axes [wavelengths].
+std::vector<FloatPair> column_references(const PlaneTiles& tiles, double wavelength);
+std::vector<FloatPair> row_references(const PlaneTiles& tiles, double wavelength);
 
 /// Waves and their packets as devices get them, made once for all devices of a sum.
 struct PacketedWaves {

@@ -1,8 +1,8 @@
 #pragma once
 
-// The part of a wave in a tile beyond a plane wave times a curvature (sum_planes.h), in the common language of C++ and
+// The part of a wave in a tile beyond a plane wave times a curvature (summation.h), in the common language of C++ and
 // OpenCL C. The tiles are corrected by it (plane_tile.cpp; on devices plane_sum.cl), and the error of the correction is
-// measured with it (plane_error.cpp).
+// measured with it (plane_plan.cpp).
 
 #ifdef __OPENCL_VERSION__
 #define HOLOTRACE_OF_REAL
@@ -14,7 +14,7 @@ float2 complex_of(float re, float im) { return (float2)(re, im); }
 float2 product(float2 a, float2 b) { return (float2)(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x); }
 float2 times_i(float2 z) { return (float2)(-z.y, z.x); }
 #else
-#include "holotrace/base/complex_product.h"
+#include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/units.h"
 
 #define HOLOTRACE_OF_REAL template <class Real>

@@ -3,10 +3,44 @@
 #include <functional>
 #include <vector>
 
-#include "holotrace/wave/planes/plane_slabs.h"
+#include "holotrace/wave/planes/plane_tile.h"
 #include "holotrace/wave/tiles/tile_error.h"
 
 namespace holotrace {
+
+/// Depths of a set of waves [m].
+struct WaveDepths {
+  double nearest, farthest;
+};
+
+/// @param waves  at least one wave
+WaveDepths depths_of(const std::vector<PreparedWave>& waves);
+
+/// Slabs of equal steps of 1/depth, from the nearest wave to the farthest.
+struct Slabs {
+  WaveDepths depths;
+  int count;
+
+  int of(double depth) const;
+
+  /// The curvatures of slab `index` in the tiles that its waves light; the range of its waves is set later.
+  Slab slab(int index, double wavelength, double pitch) const;
+
+ private:
+  double step() const { return (1 / depths.nearest - 1 / depths.farthest) / count; }
+};
+
+/// Sorts the waves for a plan: by depth into its slabs, and within a slab by position.
+SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
+
+/// The error of the expansion of waves in the tiles of a plan (summation.h), without the error of gridding. It is
+/// measured at pixels that the waves light, as in measure_split.
+SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const WaveDepths& depths, const Grid& grid,
+                             const PixelBox& bounds, double wavelength, const PlanesPlan& plan);
+
+/// Relative L2 error of rounding, over all of the panel's acceptance: products in single precision, and frequencies of up to
+/// `tile` cells that are floats, too. Measured.
+double rounding_error_of_planes(const PlanesPlan& plan);
 
 /// What a plan has to sum: numbers of pairs of a wave and a tile, and of tiles.
 struct PlanesCounts {
@@ -33,7 +67,7 @@ struct PlanesChoice {
 
 /// Whether a wave suits `planes`: its box must be at least four of the smallest tiles wide, so that fewer than half of
 /// its tiles are partly lit. The panel's acceptance must be below 14 degrees (pixels of two wavelengths): beyond it
-/// the expansion in sum_planes.h is not valid in tiles of that size.
+/// the expansion in summation.h is not valid in tiles of that size.
 bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
 
 /// The fastest plan whose expected error, with a margin of 25 %, is below the

@@ -1,4 +1,4 @@
-#include "holotrace/wave/planes/plane_slabs.h"
+#include "holotrace/wave/planes/plane_plan.h"
 
 #ifndef __SANITIZE_THREAD__
 #include <tbb/parallel_sort.h>

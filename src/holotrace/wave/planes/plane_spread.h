@@ -18,7 +18,7 @@ struct PlanesPlan {
   int width = 5;              ///< width of the gridding kernel [cells]
   int nodes = 3;              ///< curvatures per slab of depth
   int slabs = 1;              ///< number of slabs into which the waves are sorted by 1/depth
-  bool is_corrected = false;  ///< whether the terms that plane waves neglect are corrected: see sum_planes.h
+  bool is_corrected = false;  ///< whether the terms that plane waves neglect are corrected: see summation.h
   bool has_strips = true;     ///< whether strips are used where a box's edge cuts a tile; else direct sums
   bool operator==(const PlanesPlan&) const = default;
 };
@@ -26,7 +26,7 @@ struct PlanesPlan {
 /// Number of lines in a strip, used at edges of boxes that cut a tile.
 inline constexpr int strip_width = 16;
 
-/// A plan, and the curvatures between which it interpolates. Its error follows from them (plane_error.h).
+/// A plan, and the curvatures between which it interpolates. Its error follows from them (plane_plan.h).
 struct PlanesModel {
   PlanesPlan plan;
   double wavelength, pitch, tangent;  ///< tangent: of the panel's acceptance, with a margin for rounding

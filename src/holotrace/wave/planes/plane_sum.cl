@@ -1,4 +1,4 @@
-// Waves in tiles of the panel by a non-uniform FFT (sum_planes.h): spread_waves adds them to the grids of a tile's nodes,
+// Waves in tiles of the panel by a non-uniform FFT (summation.h): spread_waves adds them to the grids of a tile's nodes,
 // line_transform.cl transforms the grids, and add_nodes adds the nodes' light to the samples of a band.
 //
 // Waves come in packets of neighbours. A group of items owns a block of a tile's cells at all nodes; an item owns a row of

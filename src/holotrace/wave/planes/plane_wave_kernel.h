@@ -1,6 +1,6 @@
 #pragma once
 
-// A wave on a tile's grid of frequencies (sum_planes.h), in the common language of C++ and OpenCL C: plane_sum.cl is
+// A wave on a tile's grid of frequencies (summation.h), in the common language of C++ and OpenCL C: plane_sum.cl is
 // compiled together with tile_factor_kernel.h and this file. Lengths are in wavelengths, so a frequency f·λ is a sine.
 // plane_spread.cpp has the same formulas for vectors, in double; a test compares both.
 

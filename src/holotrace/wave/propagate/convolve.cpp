@@ -14,12 +14,11 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/wave/propagate/convolution_parts.h"
 
 namespace holotrace {
 
 double convolution_bytes(const PropagationAxis& x, const PropagationAxis& y, size_t bytes_per_real) {
-  const double columns = double(x.frequencies()) / x.parts + block;
+  const double columns = double(x.frequencies()) / x.parts + column_block;
   return 2.0 * double(bytes_per_real) * (columns * std::max(y.inputs, y.outputs) + double(x.outputs) * y.outputs);
 }
 
@@ -92,13 +91,13 @@ class Convolution {
   template <Into into>
   static void move_row(ColumnBlocks<Real>& blocks, int row, int column, int end, Complex* line) {
     for (; column < end; ++column, ++line) {
-      Complex* held = blocks.at(column / block, row) + column % block;
+      Complex* held = blocks.at(column / column_block, row) + column % column_block;
       Complex* to = into == Into::blocks ? held : line;
       const Complex* from = into == Into::blocks ? line : held;
-      if (column % block == 0 && column + block <= end) {
+      if (column % column_block == 0 && column + column_block <= end) {
         copy_block(from, to);
-        column += block - 1;
-        line += block - 1;
+        column += column_block - 1;
+        line += column_block - 1;
       } else {
         *to = *from;
       }
@@ -136,9 +135,9 @@ class Convolution {
     const int below = x.below_zero();
     if (below > 0) move_row<Into::blocks>(blocks, j, 0, below, bins + x.bin(0));
     if (below < x.columns) move_row<Into::blocks>(blocks, j, below, x.columns, bins + x.bin(below));
-    if (x.columns % block != 0) {  // the rest of the last block is transformed too, and must be finite
-      Complex* last = blocks.at(x.columns / block, j);
-      std::fill(last + x.columns % block, last + block, Complex());
+    if (x.columns % column_block != 0) {  // the rest of the last block is transformed too, and must be finite
+      Complex* last = blocks.at(x.columns / column_block, j);
+      std::fill(last + x.columns % column_block, last + column_block, Complex());
     }
     return dropped;
   }
@@ -153,7 +152,7 @@ class Convolution {
   // themselves.
   double filter_columns(const AxisPart<Real>& x, int b, std::vector<ColumnBlocks<Real>>& blocks) {
     const int length = p_.y.part_length(), parts = p_.y.parts;
-    const size_t size = size_t(length) * block, outputs = out_.size();
+    const size_t size = size_t(length) * column_block, outputs = out_.size();
     AlignedVector<Complex>& work = work_.local();
     work.resize(size * (size_t(parts) * outputs + 3));
     Complex* spectrum = work.data() + size * size_t(parts) * outputs;
@@ -194,48 +193,48 @@ class Convolution {
     const int length = p_.y.part_length(), from = part * length;
     const Propagator<Real>& p = *links_[link].propagator;
     const Complex* ramp = ramps_y_[link].empty() ? nullptr : ramps_y_[link].data() + from;
-    if (adds && ramp) multiply_rows(spectrum, spectrum, ramp, size_t(length), block);  // no other link needs it
+    if (adds && ramp) multiply_rows(spectrum, spectrum, ramp, size_t(length), column_block);  // no other link needs it
     constexpr int step = 32;  // factors that stay in the first cache
-    alignas(64) std::array<Complex, size_t(step) * block> h;
+    alignas(64) std::array<Complex, size_t(step) * column_block> h;
     for (int first = 0; first < length; first += step) {
       const int count = std::min(step, length - first);
-      std::array<const Complex*, block> columns;
-      for (int c = 0; c < block; ++c) {
-        const int column = std::min(b * block + c, x.columns - 1);  // beyond the last one, the spectrum is 0
+      std::array<const Complex*, column_block> columns;
+      for (int c = 0; c < column_block; ++c) {
+        const int column = std::min(b * column_block + c, x.columns - 1);  // beyond the last one, the spectrum is 0
         columns[size_t(c)] = p.transfer.row(p.x.slot(x.frequency(column))) + from + first;
       }
       turn_to_rows(columns, count, h.data());
-      const size_t samples = size_t(count) * block;
-      const Complex* source = spectrum + first * block;
-      Complex* result = to + first * block;
+      const size_t samples = size_t(count) * column_block;
+      const Complex* source = spectrum + first * column_block;
+      Complex* result = to + first * column_block;
       if (links_[link].is_adjoint)
         adds ? multiply_conjugate_add(result, source, h.data(), samples)
              : multiply_conjugate(result, source, h.data(), samples);
       else
         adds ? multiply_add(result, source, h.data(), samples) : multiply(result, source, h.data(), samples);
     }
-    if (!adds && ramp) multiply_rows(to, to, ramp, size_t(length), block);
+    if (!adds && ramp) multiply_rows(to, to, ramp, size_t(length), column_block);
   }
 
   void enter_part(const AxisPart<Real>& y, int b, ColumnBlocks<Real>& blocks, Complex* rows) const {
     for (int j = 0; j < p_.y.inputs; j += y.length) {
       const int count = std::min(y.length, p_.y.inputs - j);
       if (j == 0 && y.part == 0)
-        std::copy_n(blocks.at(b, 0), count * block, rows);
+        std::copy_n(blocks.at(b, 0), count * column_block, rows);
       else if (j == 0)
-        multiply_rows(rows, blocks.at(b, 0), y.enter.data(), size_t(count), block);
+        multiply_rows(rows, blocks.at(b, 0), y.enter.data(), size_t(count), column_block);
       else
-        multiply_add_rows(rows, blocks.at(b, j), y.enter.data() + j, size_t(count), block);
+        multiply_add_rows(rows, blocks.at(b, j), y.enter.data() + j, size_t(count), column_block);
     }
-    if (p_.y.inputs < y.length) std::fill(rows + p_.y.inputs * block, rows + y.length * block, Complex());
+    if (p_.y.inputs < y.length) std::fill(rows + p_.y.inputs * column_block, rows + y.length * column_block, Complex());
   }
 
   void leave_part(const AxisPart<Real>& y, int b, ColumnBlocks<Real>& blocks, const Complex* rows) const {
     y.each_run_of_outputs([&](int o, int at, int count) {
       if (y.part == 0)
-        std::copy_n(rows + at * block, count * block, blocks.at(b, o));
+        std::copy_n(rows + at * column_block, count * column_block, blocks.at(b, o));
       else
-        multiply_add_rows(blocks.at(b, o), rows + at * block, y.leave.data() + o, size_t(count), block);
+        multiply_add_rows(blocks.at(b, o), rows + at * column_block, y.leave.data() + o, size_t(count), column_block);
     });
   }
 
@@ -246,10 +245,11 @@ class Convolution {
     const int to = y.padded + y.first;
     if (from >= to) return 0;
     const int count = (to - from + y.parts - 1) / y.parts;
-    if (y.last >= 0 && y.first <= 0) return energy(spectrum + from / y.parts * block, size_t(count) * block);
+    if (y.last >= 0 && y.first <= 0)
+      return energy(spectrum + from / y.parts * column_block, size_t(count) * column_block);
     double sum = 0;  // if the band lies to one side of zero, the dropped frequencies wrap around
     for (int n = 0; n < count; ++n)
-      sum += energy(spectrum + wrapped(from + n * y.parts, y.padded) / y.parts * block, block);
+      sum += energy(spectrum + wrapped(from + n * y.parts, y.padded) / y.parts * column_block, column_block);
     return sum;
   }
 

@@ -1,6 +1,6 @@
-// Samples of a field, one by one (device_samples.h), compiled together with sample_place_kernel.h.
+// Samples of a field, one by one (propagate_on_device.h), compiled together with sample_place_kernel.h.
 
-// |u|², as irradiance_of_row of irradiance.cpp.
+// |u|², as irradiance_of_row of propagate.cpp.
 __kernel void irradiance(__global const float2* u, __global float* to, int nx) {
   const int i = get_global_id(0), j = get_global_id(1);
   if (i >= nx) return;

@@ -1,8 +1,7 @@
-#include "holotrace/wave/propagate/device_samples.h"
-
 #include <cstdint>
 
-#include "holotrace/wave/shared/sample_rows.h"
+#include "holotrace/wave/propagate/propagate_on_device.h"
+#include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
 namespace {

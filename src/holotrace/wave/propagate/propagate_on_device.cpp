@@ -11,17 +11,11 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/wave/propagate/banded_propagation.h"
 #include "holotrace/wave/propagate/device_propagator.h"
-#include "holotrace/wave/propagate/device_samples.h"
-#include "holotrace/wave/propagate/irradiance.h"
-#include "holotrace/wave/propagate/propagation_cost.h"
+#include "holotrace/wave/propagate/propagate.h"
+#include "holotrace/wave/propagate/propagator.h"
 #include "holotrace/wave/propagate/propagator_cache.h"
-#include "holotrace/wave/propagate/whole_shift.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "holotrace/wave/shared/device_room.h"
-#include "holotrace/wave/shared/fastest_device.h"
-#include "holotrace/wave/shared/on_chosen_device.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 
 namespace holotrace {
 namespace {

@@ -7,11 +7,18 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/opencl/device.h"
-#include "holotrace/wave/propagate/kept_propagators.h"
 #include "holotrace/wave/propagate/propagator.h"
+#include "holotrace/wave/propagate/propagator_cache.h"
 #include "holotrace/wave/shared/device_field.h"
 
 namespace holotrace {
+
+/// |u|² at the samples, floats on the field's device [W/m²].
+/// @throws Error  as Device does; so does the function below
+DeviceBuffer irradiance_of(const DeviceField& field);
+
+/// The samples of the field on another window of its lattice; 0 where the field has none.
+DeviceField on_window(const DeviceField& field, const WindowShift& to);
 
 /// The field after propagation, on the device where it is. Its propagator stays there for the next field over the same
 /// distance. Before a propagation that would not fit, others make room; if the device fails, all are dropped.
@@ -22,7 +29,7 @@ DeviceField propagate(const DeviceField& field, double distance, const Propagate
 
 /// The field after propagation on the device that params.device names, from the processor and back.
 ///
-/// The device `auto` is the one that is expected to be the fastest, by the rates of device_rates.h: both fields are
+/// The device `auto` is the one that is expected to be the fastest, by the rates of stage_on_device.h: both fields are
 /// transferred, and the transfer function unless it is there already. If it fails, a warning says why.
 ///
 /// Facts: those of make_propagator, told for every field, and `device`, its name.

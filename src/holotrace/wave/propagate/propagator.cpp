@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/data/params/check_ranges.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/wave/propagate/convolve.h"
+#include "holotrace/wave/propagate/propagation_axis.h"
 #include "holotrace/wave/propagate/transfer.h"
 #include "holotrace/wave/propagate/window_transform.h"
+#include "holotrace/wave/shared/cost_model.h"
 
 namespace holotrace {
 namespace {
@@ -136,5 +142,121 @@ template Propagator<double> make_propagator(const Grid&, double, double, const P
 template void check_field(const Field&, const Propagator<float>&);
 template Field propagate(const Field&, const Propagator<float>&, const Observer&);
 template FieldDouble propagate(const FieldDouble&, const Propagator<double>&, const Observer&);
+
+std::optional<WindowShift> whole_shift(const Grid& grid, double wavelength, double distance,
+                                       const PropagateParams& params) {
+  if (distance != 0) return std::nullopt;
+  const Grid window = propagation_output(grid, params);
+  const PropagationAxis x = make_axis_x(grid, window, wavelength, 0), y = make_axis_y(grid, window, wavelength, 0);
+  if (!x.is_on_lattice() || !y.is_on_lattice() || x.rest != 0 || y.rest != 0) return std::nullopt;
+  return WindowShift{window, x.shift, y.shift};
+}
+
+namespace {
+
+constexpr double from_memory = 1.4;
+
+SummationWork convolution_work(const PropagationAxis& x, const PropagationAxis& y) {
+  SummationWork work;
+  const double rows = double(y.inputs) + y.outputs;
+  for (int part = 0; part < x.parts; ++part) {
+    const double columns = part_frequencies(x, part).count;
+    work.fft_operations +=
+        rows * fft_operations(x.part_length()) + 2 * columns * y.parts * fft_operations(y.part_length());
+    work.samples += double(y.inputs) * x.inputs + double(y.outputs) * x.outputs + rows * columns +
+                    columns * y.parts * (rows + y.part_length());
+  }
+  return work;
+}
+
+double window_operations(const WindowLength& window) {
+  return (window.is_plain ? 1 : 2) * fft_operations(window.length);
+}
+
+SummationWork window_work(const PropagationAxis& x, const PropagationAxis& y) {
+  const double columns = x.frequencies();
+  const WindowLength to_x = window_length(x), to_y = window_length(y);
+  SummationWork work;
+  work.fft_operations = y.inputs * fft_operations(x.padded) + columns * fft_operations(y.padded) +
+                        columns * window_operations(to_y) + y.outputs * window_operations(to_x);
+  work.samples = y.inputs * (double(x.inputs) + columns) + columns * (2.0 * y.frequencies() + to_y.length + y.outputs) +
+                 y.outputs * (columns + to_x.length + x.outputs);
+  return work;
+}
+
+}  // namespace
+
+SummationWork propagation_work(const Propagator<float>& plan) {
+  return plan.is_on_lattice() ? convolution_work(plan.x, plan.y) : window_work(plan.x, plan.y);
+}
+
+double seconds_to_propagate(const Propagator<float>& plan) {
+  const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
+  return from_memory * predict_seconds(propagation_work(plan), summation_rates(), threads);
+}
+
+namespace {
+
+void turn_around(PropagationAxis& axis) {
+  std::swap(axis.inputs, axis.outputs);
+  axis.offset = -axis.offset;
+  axis.shift = -axis.shift;
+  axis.rest = -axis.rest;
+  axis.z = -axis.z;
+}
+
+void require_lattice(bool is_on_lattice) {
+  require(is_on_lattice, "expected a propagation between windows of one pitch, got two pitches");
+}
+
+}  // namespace
+
+template <class Real>
+Propagator<Real> adjoint_of(const Propagator<Real>& p) {
+  require_lattice(p.is_on_lattice());
+  Propagator<Real> back = p;
+  std::swap(back.input, back.output);
+  back.distance = -p.distance;
+  turn_around(back.x);
+  turn_around(back.y);
+  parallel_for(0, back.transfer.ny, [&](int64_t slot) {
+    std::complex<Real>* row = back.transfer.row(int(slot));
+    for (int i = 0; i < back.transfer.nx; ++i) row[i] = std::conj(row[i]);
+  });
+  return back;
+}
+
+template <class Real>
+void filter_transfer(Propagator<Real>& p, const std::function<double(double)>& along_x,
+                     const std::function<double(double)>& along_y) {
+  require_lattice(p.is_on_lattice());
+  // A column stores the frequencies of y part by part: frequency k is in part k modulo parts, at index k/parts.
+  std::vector<Real> of_column(size_t(p.transfer.nx));
+  for (int bin = 0; bin < p.y.padded; ++bin)
+    of_column[size_t(bin % p.y.parts * p.y.part_length() + bin / p.y.parts)] =
+        Real(along_y(double(std::min(bin, p.y.padded - bin)) / p.y.padded));
+  parallel_for(0, p.transfer.ny, [&](int64_t slot) {
+    const int k = p.x.is_even ? int(slot) : p.x.first + int(slot);
+    const Real factor = Real(along_x(std::min(0.5, std::abs(double(k)) / p.x.padded)));
+    std::complex<Real>* row = p.transfer.row(int(slot));
+    for (int i = 0; i < p.transfer.nx; ++i) row[i] *= factor * of_column[size_t(i)];
+  });
+}
+
+template <class Real>
+double largest_transfer(const Propagator<Real>& p) {
+  double most = 0;
+  for (const std::complex<Real>& h : p.transfer.values) most = std::max(most, double(std::norm(h)));
+  return std::sqrt(most);
+}
+
+template Propagator<float> adjoint_of(const Propagator<float>&);
+template Propagator<double> adjoint_of(const Propagator<double>&);
+template void filter_transfer(Propagator<float>&, const std::function<double(double)>&,
+                              const std::function<double(double)>&);
+template void filter_transfer(Propagator<double>&, const std::function<double(double)>&,
+                              const std::function<double(double)>&);
+template double largest_transfer(const Propagator<float>&);
+template double largest_transfer(const Propagator<double>&);
 
 }  // namespace holotrace

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/field.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/params/propagate.h"
+#include "holotrace/data/rates.h"
 #include "holotrace/wave/propagate/propagation_axis.h"
 
 namespace holotrace {
@@ -75,5 +80,46 @@ void check_field(const BasicField<Real>& field, const Propagator<Real>& propagat
 template <class Real>
 BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& propagator,
                            const Observer& observer = {});
+
+/// A window on the lattice of a field's samples: its sample (0, 0) is the field's sample (down, right).
+struct WindowShift {
+  Grid window;
+  int right = 0, down = 0;
+};
+
+/// The window of a propagation over no distance, whose samples are those of the field; nothing for other propagations.
+/// @throws Error  as propagation_output does
+std::optional<WindowShift> whole_shift(const Grid& grid, double wavelength, double distance,
+                                       const PropagateParams& params);
+
+// What a propagation takes, from its plan (plan_propagator).
+
+/// Operations of the processor, without those that make the transfer function.
+SummationWork propagation_work(const Propagator<float>& plan);
+
+/// Seconds that the processor is expected to take, by that work and the rates of cost_model.h, with all of its threads.
+/// The lines of a large field come from memory, for which those rates do not hold: 1.4 times as long.
+double seconds_to_propagate(const Propagator<float>& plan);
+
+/// The adjoint Tᴴ of a propagation T, ⟨Tᴴg, u⟩ = ⟨g, Tu⟩ to rounding: the conjugate transfer function, from the
+/// output's window to the input's. It propagates over −distance, with the windows and the band limit of the forward
+/// propagation.
+///
+/// If no light leaves the windows or the band, T keeps the norm and the adjoint is its inverse. In general the norm
+/// does not grow, ‖T‖ ≤ 1, if |H| ≤ 1: exactly so for an angular spectrum, nearly for a Rayleigh–Sommerfeld kernel.
+///
+/// @throws Error  unless both windows lie on one lattice (Propagator::is_on_lattice)
+template <class Real>
+Propagator<Real> adjoint_of(const Propagator<Real>& propagator);
+
+/// Multiplies the transfer function of a propagator on a lattice by one even real function of frequency per axis. The
+/// frequency is in cycles per input sample, |f| ≤ 1/2. Use: filters such as the aperture of a pixel.
+template <class Real>
+void filter_transfer(Propagator<Real>& propagator, const std::function<double(double)>& along_x,
+                     const std::function<double(double)>& along_y);
+
+/// The largest |H| of a propagator: an upper bound of its norm.
+template <class Real>
+double largest_transfer(const Propagator<Real>& propagator);
 
 }  // namespace holotrace

@@ -4,8 +4,7 @@
 #include <atomic>
 #include <limits>
 
-#include "holotrace/base/memory.h"
-#include "holotrace/wave/propagate/kept_propagators.h"
+#include "holotrace/base/machine.h"
 
 namespace holotrace {
 namespace {

@@ -1,10 +1,109 @@
 #pragma once
 
+#include <algorithm>
+#include <iterator>
+#include <list>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "holotrace/base/observer.h"
+#include "holotrace/data/grid.h"
+#include "holotrace/data/params/propagate.h"
 #include "holotrace/wave/propagate/propagator.h"
 
 namespace holotrace {
+
+/// The arguments of make_propagator. The device does not matter to it.
+struct PropagationQuestion {
+  Grid grid;
+  double wavelength, distance;
+  PropagateParams params;
+
+  PropagationQuestion(const Grid& grid, double wavelength, double distance, const PropagateParams& given)
+      : grid(grid), wavelength(wavelength), distance(distance), params(given) {
+    params.device = {};
+  }
+  bool operator==(const PropagationQuestion&) const = default;
+};
+
+/// A propagator, with the facts and warnings of its making, which are told whenever it is used.
+template <class Propagator>
+struct KeptPropagator {
+  std::shared_ptr<Propagator> propagator{};
+  std::vector<std::pair<std::string, Fact>> facts{};
+  std::vector<std::string> warnings{};
+
+  /// Collects facts and warnings. It must not outlive this object.
+  Observer listener() {
+    Observer notes;
+    notes.on_fact = [this](const std::string& name, const Fact& value) { facts.emplace_back(name, value); };
+    notes.on_warning = [this](const std::string& sentence) { warnings.push_back(sentence); };
+    return notes;
+  }
+  void tell(const Observer& observer) const {
+    for (const auto& [name, value] : facts)
+      if (observer.on_fact) observer.on_fact(name, value);
+    for (const std::string& warning : warnings) observer.warn(warning);
+  }
+};
+
+/// Propagators by the questions that they answer. May be used from any thread. Those that are dropped are destroyed
+/// after the lock is released, because that may wait for a device.
+template <class Propagator>
+class KeptPropagators {
+ public:
+  using Kept = KeptPropagator<Propagator>;
+
+  std::optional<Kept> find(const PropagationQuestion& question) {
+    const std::lock_guard lock(mutex_);
+    const auto found =
+        std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.question == question; });
+    if (found == entries_.end()) return std::nullopt;
+    entries_.splice(entries_.begin(), entries_, found);
+    return found->kept;
+  }
+
+  /// Keeps a propagator of `bytes`, and drops the least recently used ones beyond `limit`. A larger one is not kept.
+  void keep(const PropagationQuestion& question, const Kept& kept, double bytes, double limit) {
+    if (bytes > limit) return;
+    {
+      const std::lock_guard lock(mutex_);
+      entries_.push_front({question, kept, bytes});
+    }
+    drop_beyond(limit);
+  }
+
+  /// Memory of all of them [bytes].
+  double bytes() {
+    const std::lock_guard lock(mutex_);
+    double all = 0;
+    for (const Entry& entry : entries_) all += entry.bytes;
+    return all;
+  }
+
+  /// Drops the least recently used ones until the others take at most `limit` [bytes].
+  void drop_beyond(double limit) {
+    std::list<Entry> dropped;
+    const std::lock_guard lock(mutex_);
+    double bytes = 0;
+    const auto first = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const Entry& entry) { return (bytes += entry.bytes) > limit; });
+    dropped.splice(dropped.begin(), entries_, first, entries_.end());
+  }
+
+ private:
+  struct Entry {
+    PropagationQuestion question;
+    Kept kept;
+    double bytes;
+  };
+  std::mutex mutex_;
+  std::list<Entry> entries_;  // most recently used first
+};
 
 /// The propagator that make_propagator makes of the same arguments, kept for reuse: the frames of a job share one for
 /// each wavelength and distance. Facts and warnings are reported on every call. May be called from any thread.

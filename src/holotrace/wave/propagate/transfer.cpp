@@ -12,7 +12,6 @@
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
-#include "holotrace/base/wrapped.h"
 #include "holotrace/wave/propagate/propagation_axis.h"
 #include "holotrace/wave/propagate/propagation_kernel.h"
 #include "holotrace/wave/propagate/transfer_row.h"

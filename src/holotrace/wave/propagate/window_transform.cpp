@@ -8,10 +8,8 @@
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
-#include "holotrace/base/wrapped.h"
-#include "holotrace/wave/propagate/convolution_parts.h"
-#include "holotrace/wave/propagate/irradiance.h"
-#include "holotrace/wave/propagate/window_sum.h"
+#include "holotrace/wave/propagate/convolve.h"
+#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 namespace {
@@ -40,40 +38,42 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
   const PropagationAxis &x = p.x, &y = p.y;
   const WindowSum<Real> sum_x(x), sum_y(y);
   const Fft<Real> forward_x(x.padded, FftDirection::forward);
-  const FftBatch<Real> to_columns(y.padded, {block, block, 1, 1, y.padded}, FftDirection::forward);
+  const FftBatch<Real> to_columns(y.padded, {column_block, column_block, 1, 1, y.padded}, FftDirection::forward);
 
   // 1. Along x: the frequencies in use, each once even if the kernel extends beyond the input's band.
   const int entering = std::min(x.frequencies(), x.padded), count = x.frequencies();
   ColumnBlocks<Real> before(entering, y.inputs);
   parallel_for(0, y.inputs, [&](int64_t j) {
-    AlignedVector<Complex> line(size_t(x.padded)), used(size_t(before.blocks_of(entering)) * block);
+    AlignedVector<Complex> line(size_t(x.padded)), used(size_t(before.blocks_of(entering)) * column_block);
     std::copy_n(field.samples.row(int(j)), x.inputs, line.begin());
     forward_x(line.data());
     each_run(x.first, entering, x.padded,
              [&](int n, int at, int run) { std::copy_n(line.data() + at, run, used.data() + n); });
-    for (int b = 0; b < before.blocks_of(entering); ++b) copy_block(used.data() + b * block, before.at(b, int(j)));
+    for (int b = 0; b < before.blocks_of(entering); ++b)
+      copy_block(used.data() + b * column_block, before.at(b, int(j)));
   });
   observer.progress(0.25);
 
   // 2. Along y: a block of columns at a time.
   tbb::enumerable_thread_specific<ColumnWork<Real>> works([&] {
-    const size_t size = size_t(y.padded) * block;
+    const size_t size = size_t(y.padded) * column_block;
     return ColumnWork<Real>{AlignedVector<Complex>(size), AlignedVector<Complex>(size),
-                            AlignedVector<Complex>(size_t(y.outputs) * block),
+                            AlignedVector<Complex>(size_t(y.outputs) * column_block),
                             AlignedVector<Complex>(size_t(y.frequencies())), AlignedVector<Complex>(sum_y.work_size())};
   });
   LargeBuffer<Complex> after(size_t(count) * size_t(y.outputs));
   parallel_for(0, before.blocks_of(count), [&](int64_t b) {
-    const int first = int(b) * block, used = std::min(block, count - first);
+    const int first = int(b) * column_block, used = std::min(column_block, count - first);
     auto& [rows, columns, results, frequencies, work] = works.local();
     Complex* const bins = frequencies.data();
     if (first + used <= entering)
-      std::copy_n(before.at(int(b), 0), y.inputs * block, rows.data());
+      std::copy_n(before.at(int(b), 0), y.inputs * column_block, rows.data());
     else
       for (int c = 0; c < used; ++c) {
         const int from = (first + c) % entering;
-        const Complex* column = before.at(from / block, 0) + from % block;
-        for (int j = 0; j < y.inputs; ++j) rows[size_t(j) * block + size_t(c)] = column[size_t(j) * block];
+        const Complex* column = before.at(from / column_block, 0) + from % column_block;
+        for (int j = 0; j < y.inputs; ++j)
+          rows[size_t(j) * column_block + size_t(c)] = column[size_t(j) * column_block];
       }
     to_columns(rows.data(), columns.data());
     for (int c = 0; c < used; ++c) {
@@ -103,7 +103,7 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
 }  // namespace
 
 double window_transform_bytes(const PropagationAxis& x, const PropagationAxis& y, size_t bytes_per_real) {
-  const double entering = std::min(x.frequencies(), x.padded) + block, leaving = x.frequencies() + block;
+  const double entering = std::min(x.frequencies(), x.padded) + column_block, leaving = x.frequencies() + column_block;
   return 2.0 * double(bytes_per_real) * (entering * y.inputs + leaving * y.outputs + double(x.outputs) * y.outputs);
 }
 

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "holotrace/data/summation_rates.h"
+#include "holotrace/data/rates.h"
 
 namespace holotrace {
 

@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/wave/shared/sample_rows.h"
-
 namespace holotrace {
 namespace {
 

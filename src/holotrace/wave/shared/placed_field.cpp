@@ -6,9 +6,7 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
-#include "holotrace/wave/shared/device_rates.h"
-#include "holotrace/wave/shared/device_room.h"
-#include "holotrace/wave/shared/on_chosen_device.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 
 namespace holotrace {
 namespace {

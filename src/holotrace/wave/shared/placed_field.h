@@ -44,12 +44,12 @@ class PlacedField {
   /// The same. Samples on a device are given up; their memory is free unless others still use them.
   std::shared_ptr<const Field> only_on_processor(const Observer& observer = {}) const;
 
-  /// The field on a device, where all that is kept for later makes room for it (make_room, device_room.h).
+  /// The field on a device, where all that is kept for later makes room for it (make_room, stage_on_device.h).
   /// @throws Error  as send and on_processor do
   std::shared_ptr<const DeviceField> on(Device& device, const Observer& observer = {}) const;
 
   /// Seconds that its samples are expected to take on their way to the processor, or to a device, by the rates of
-  /// device_rates.h; infinite for a device without rates, or if it fails when they are measured.
+  /// stage_on_device.h; infinite for a device without rates, or if it fails when they are measured.
   double seconds_to_processor() const;
   double seconds_to(Device& device) const;
 

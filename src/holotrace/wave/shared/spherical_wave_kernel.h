@@ -12,7 +12,6 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/astigmatic_wave.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/panel_tiles.h"
 #include "holotrace/data/sources.h"
 
 namespace holotrace {

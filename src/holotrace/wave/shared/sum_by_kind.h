@@ -5,9 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "holotrace/base/merged_facts.h"
+#include "holotrace/base/observer.h"
 #include "holotrace/data/sources.h"
-#include "holotrace/data/triangles.h"
 
 // Light from both sides of the panel, by sums that know one kind of it. Light that converges to (x, y, z), z > 0, is on the panel the
 // conjugate of light that leaves (x, y, −z) with the opposite phase.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "holotrace/base/run_together.h"
+#include "holotrace/base/own_threads.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/wave/tiles/device_wave.h"
 

@@ -1,8 +1,7 @@
 #include "holotrace/wave/tiles/packed_product.h"
 
-#include "holotrace/base/cpu.h"
 #include "holotrace/base/error.h"
-#include "holotrace/base/instruction_set.h"
+#include "holotrace/base/machine.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>

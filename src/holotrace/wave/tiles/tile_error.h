@@ -6,7 +6,7 @@
 
 #include "holotrace/base/random.h"
 #include "holotrace/data/grid.h"
-#include "holotrace/data/summation_rates.h"
+#include "holotrace/data/rates.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
 
 namespace holotrace {

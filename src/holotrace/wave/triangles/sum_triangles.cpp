@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/memory.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
@@ -16,7 +16,7 @@
 #include "holotrace/data/field.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/wave/shared/sum_by_kind.h"
-#include "holotrace/wave/triangles/triangle_tile.h"
+#include "holotrace/wave/triangles/triangle_part.h"
 
 namespace holotrace {
 namespace {

@@ -1,13 +1,11 @@
-#include "holotrace/wave/triangles/sum_triangles_exact.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "holotrace/base/fft.h"
-#include "holotrace/base/frequency.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/wave/shared/sum_by_kind.h"
+#include "holotrace/wave/triangles/sum_triangles.h"
 #include "holotrace/wave/triangles/triangle_part.h"
 
 namespace holotrace {

@@ -1,7 +1,7 @@
 // A tile's sum is a complex matrix product, as in tile_sum.cpp: samples[row][column] += Σⱼ row factorⱼ[row]·column
 // factorⱼ[column], where each part of a triangle makes up to four terms j.
 
-#include "holotrace/wave/triangles/triangle_tile.h"
+#include "holotrace/wave/triangles/triangle_part.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/wave/triangles/triangle_tile.cpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "support/stages_on_devices.h"
 #include "support/targets.h"
 

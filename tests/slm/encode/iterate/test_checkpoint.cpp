@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "holotrace/slm/encode/iterate/descent_job.h"
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "support/targets.h"
 
 namespace holotrace {

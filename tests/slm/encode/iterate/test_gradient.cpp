@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "support/descent.h"
 

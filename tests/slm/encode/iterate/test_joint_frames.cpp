@@ -8,7 +8,7 @@
 
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
 #include "holotrace/slm/encode/iterate/gradient_descent.h"
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/expose.h"

@@ -6,10 +6,9 @@
 #include <cmath>
 
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterate/descent_device.h"
-#include "holotrace/slm/encode/iterate/device_projection.h"
 #include "holotrace/slm/encode/iterate/gerchberg_saxton.h"
-#include "holotrace/slm/encode/iterate/processor_projection.h"
+#include "holotrace/slm/encode/iterate/iteration_devices.h"
+#include "holotrace/slm/encode/iterate/projection_arrays.h"
 #include "support/build_paths.h"
 #include "support/stages_on_devices.h"
 #include "support/targets.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "support/targets.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "holotrace/slm/encode/encode.h"
-#include "holotrace/slm/encode/iterate/descent_device.h"
+#include "holotrace/slm/encode/iterate/iteration_devices.h"
 #include "holotrace/wave/propagate/propagate.h"
 #include "slm/encode/iterate/descent_gradients.h"
 

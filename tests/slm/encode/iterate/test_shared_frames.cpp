@@ -12,9 +12,8 @@
 
 #include "holotrace/base/archive.h"
 #include "holotrace/data/members.h"
-#include "holotrace/slm/encode/iterate/descent_device.h"
-#include "holotrace/slm/encode/iterate/descent_job.h"
-#include "holotrace/slm/encode/iterate/frame_messages.h"
+#include "holotrace/slm/encode/iterate/gradient_descent.h"
+#include "holotrace/slm/encode/iterate/iteration_devices.h"
 #include "holotrace/slm/encode/iterate/shared_frames.h"
 #include "slm/encode/iterate/descent_gradients.h"
 #include "slm/encode/iterate/thread_links.h"

@@ -3,7 +3,7 @@
 #include <bit>
 
 #include "holotrace/io/picture/formats/formats.h"
-#include "holotrace/io/picture/formats/little_endian.h"
+#include "holotrace/io/picture/formats/header_fields.h"
 
 // Pictures of Windows: a header, a palette up to 8 bits per pixel, and rows from the bottom, each of whole 4 bytes, or
 // indices in runs.

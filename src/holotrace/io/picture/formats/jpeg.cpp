@@ -6,8 +6,8 @@
 #include <array>
 #include <csetjmp>
 
-#include "holotrace/io/picture/formats/exif.h"
 #include "holotrace/io/picture/formats/formats.h"
+#include "holotrace/io/picture/formats/header_fields.h"
 
 namespace holotrace {
 namespace {

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "holotrace/io/picture/formats/formats.h"
-#include "holotrace/io/picture/formats/little_endian.h"
+#include "holotrace/io/picture/formats/header_fields.h"
 
 // Truevision's pictures: a header of 18 bytes, a text, a palette, and pixels, as they are or in runs.
 

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "holotrace/io/picture/formats/exif.h"
 #include "holotrace/io/picture/formats/formats.h"
-#include "holotrace/io/picture/formats/little_endian.h"
+#include "holotrace/io/picture/formats/header_fields.h"
 
 namespace holotrace {
 

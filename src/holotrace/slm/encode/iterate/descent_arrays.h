@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,7 +14,7 @@
 #include "holotrace/slm/encode/iterate/processor_loops.h"
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 
-// Arrays of a gradient descent. frame_descent.h and wavelength_descent.h say which function is called when, and with which
+// Arrays of a gradient descent. frame_descent.h says which function is called when, and with which
 // numbers. Implementations: processor_arrays.h, device_arrays.h (OpenCL devices), shared_frames.h (several processes).
 
 namespace holotrace {
@@ -109,5 +110,29 @@ inline TargetOptics optics_of(const DrivenPanel& panel, const EncodeParams& para
           .subpixels = params.subpixels,
           .stop = stop_width(params)};
 }
+
+/// The exchange of the mean light of planes with the processes that have the other frames of a descent. Every process calls
+/// the functions in the same order. The first process has the targets.
+class FrameExchange {
+ public:
+  virtual ~FrameExchange() = default;
+
+  virtual bool is_first() const = 0;
+
+  /// Sum over all processes, on the first one: it receives the values of the others, and adds them in the order of the
+  /// processes. Every other process sends its values.
+  virtual void reduce_to_first(float* values, size_t count) = 0;
+
+  /// Broadcast from the first process: it sends its values, by which every other process replaces its own.
+  virtual void broadcast_from_first(float* values, size_t count) = 0;
+};
+
+/// The frames of a descent that are not in this process.
+struct OtherFrames {
+  size_t count = 0;
+  FrameExchange* exchange = nullptr;  ///< none if there are no others
+
+  bool has_targets() const { return !exchange || exchange->is_first(); }
+};
 
 }  // namespace holotrace

@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/base/run_together.h"
+#include "holotrace/base/own_threads.h"
 #include "holotrace/slm/encode/iterate/frames_light.h"
 #include "holotrace/slm/encode/iterate/processor_arrays.h"
-#include "holotrace/slm/encode/iterate/processor_light.h"
 
 namespace holotrace {
 namespace {

@@ -8,7 +8,6 @@
 #include "holotrace/data/slm.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/slm/encode/iterate/descent_arrays.h"
-#include "holotrace/slm/encode/iterate/frame_exchange.h"
 #include "holotrace/slm/encode/iterate/frames_on_device.h"
 
 namespace holotrace {

@@ -1,11 +1,10 @@
-#include "holotrace/slm/encode/iterate/device_views.h"
-
 #include <algorithm>
 #include <complex>
 #include <cstdint>
 #include <utility>
 
-#include "holotrace/slm/encode/iterate/pupil_propagation.h"
+#include "holotrace/slm/encode/iterate/frames_light.h"
+#include "holotrace/slm/encode/iterate/target_propagation.h"
 
 namespace holotrace {
 namespace {

@@ -8,7 +8,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/processor_loops.h"
-#include "holotrace/slm/panel/phasors.h"
+#include "holotrace/slm/panel/panel_loops.h"
 #include "holotrace/slm/panel/pixel_response.h"
 
 namespace holotrace {

@@ -9,10 +9,8 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
-#include "holotrace/slm/encode/iterate/descent_device.h"
-#include "holotrace/slm/encode/iterate/device_projection.h"
 #include "holotrace/slm/encode/iterate/iteration_devices.h"
-#include "holotrace/slm/encode/iterate/processor_projection.h"
+#include "holotrace/slm/encode/iterate/projection_arrays.h"
 #include "holotrace/slm/encode/iterate/target_sums.h"
 
 namespace holotrace {

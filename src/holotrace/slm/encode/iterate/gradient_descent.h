@@ -82,4 +82,10 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
 void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const EncodeParams& params,
            const Observer& observer, std::vector<Hologram>& frames, Device* device = nullptr);
 
+/// The state of a gradient descent before its first update, without values: its `job` is a fingerprint of the program's
+/// version and of all that its result depends on, its `description` the job in words. Functions have no fingerprint: the
+/// views that draw_views draws for the first update stand for it.
+IterationState descent_job(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
+                           const std::vector<Hologram>& frames);
+
 }  // namespace holotrace

@@ -1,4 +1,4 @@
-// Pictures that pupils take, and their adjoint (device_views.h, take_picture). A transform of length × length samples is
+// Pictures that pupils take, and their adjoint (frames_light.h, take_picture). A transform of length × length samples is
 // around the pupil's centre: place 0 is the sample nearest to it, and the last places are before it.
 
 typedef struct {

@@ -1,0 +1,90 @@
+#include "holotrace/data/params/parameter_texts.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "holotrace/base/units.h"
+
+namespace holotrace {
+namespace {
+
+template <class Number>
+Number parse_number(const std::string& text, const char* expected) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  require(error == std::errc() && end == text.data() + text.size(), "expected {}, got \"{}\"", expected, text);
+  return number;
+}
+
+template <class Integer>
+void set_count(const Parameter<Integer>& parameter, const std::string& text) {
+  const Integer number = parse_number<Integer>(text, "a whole number");
+  check_range(double(number), parameter.range, Quantity::count);
+  parameter.value = number;
+}
+
+}  // namespace
+
+double length_within(const std::string& text, const Range& range, const std::string& name) {
+  const double metres = parse_length(text, name);
+  check_range(metres, range, Quantity::length);
+  return metres;
+}
+
+std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name) {
+  std::vector<double> lengths = parse_lengths(text, name);
+  for (const double metres : lengths) check_range(metres, range, Quantity::length);
+  return lengths;
+}
+
+double angle_within(const std::string& text, const Range& range) {
+  const double radians = parse_angle(text);
+  check_range(radians, range, Quantity::angle);
+  return radians;
+}
+
+void set_from_text(const Parameter<int>& parameter, const std::string& text) { set_count(parameter, text); }
+void set_from_text(const Parameter<int64_t>& parameter, const std::string& text) { set_count(parameter, text); }
+
+void set_from_text(const Parameter<double>& parameter, const std::string& text) {
+  if (parameter.quantity == Quantity::length) {
+    parameter.value = length_within(text, parameter.range, parameter.name);
+  } else if (parameter.quantity == Quantity::angle) {
+    parameter.value = angle_within(text, parameter.range);
+  } else {
+    const double number = parse_number<double>(text, "a number");
+    check_range(number, parameter.range, Quantity::number);
+    parameter.value = number;
+  }
+}
+
+void set_from_text(const Parameter<bool>& parameter, const std::string& text) {
+  require(text == "true" || text == "false", "expected true or false, got \"{}\"", text);
+  parameter.value = text == "true";
+}
+
+void set_from_text(const Parameter<std::vector<double>>& parameter, const std::string& text) {
+  parameter.value = lengths_within(text, parameter.range, parameter.name);
+}
+
+void set_from_text(const Parameter<Vec3>& parameter, const std::string& text) {
+  const std::vector<double> lengths = parse_lengths(text, parameter.name);
+  require(lengths.size() == 3, "expected three lengths x, y and z, got {}", lengths.size());
+  check_range(lengths[2], parameter.range, Quantity::length, " for z");
+  parameter.value = {lengths[0], lengths[1], lengths[2]};
+}
+
+void set_from_text(const Parameter<std::vector<std::string>>& parameter, const std::string& text) {
+  parameter.value.clear();  // separated by commas
+  for (size_t at = 0; at <= text.size();) {
+    const size_t end = std::min(text.find(',', at), text.size());
+    parameter.value.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+}
+
+void set_from_text(const Parameter<DeviceChoice>& parameter, const std::string& text) {
+  parameter.value = parse_device(text);
+}
+
+}  // namespace holotrace
