@@ -53,7 +53,7 @@ class Ranks {
   const MpiModule* mpi_ = nullptr;  // none without a launcher
 };
 
-/// What a message between ranks is: of a field in bands (band_messages.h); of frames (rank_links.h); the end, from rank 0; or
+/// What a message between ranks is: of a field in bands (banded_field.h); of frames (rank_links.h); the end, from rank 0; or
 /// what has failed, from another rank.
 enum RankTag {
   tag_job,

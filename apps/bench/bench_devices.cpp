@@ -16,6 +16,7 @@
 #include "holotrace/slm/encode/iterate/frame_descent.h"
 #include "holotrace/slm/encode/iterate/projection_arrays.h"
 #include "holotrace/slm/encode/target.h"
+#include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/panel_model.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
@@ -179,8 +180,11 @@ BenchRow bench_show_on_device(const BenchOptions& options) {
   ShowParams params;
   params.device = options.device;
   const PanelModel panel(slm, params, Modulation::phase, slm.levels, 0, state);
+  const Array2D<float> drive(slm.grid.ny, slm.grid.nx);
+  const Device& device = open_device(options.device.number);
+  const PanelForecast forecast = forecast_panel(device, panel, {drive}, true, device.memory());
   return time_on_device(options, {"show", fmt::format("{}x{}, light stays there", slm.grid.nx, slm.grid.ny),
-                                  panel.work().moved, [&] { show_light(hologram, slm, params, state); }});
+                                  double(forecast.use.bytes_moved), [&] { show_light(hologram, slm, params, state); }});
 }
 
 // The camera: the light is there, and the picture comes out. The bytes are those of the propagation to the sensor.

@@ -2,7 +2,7 @@
 
 #include <sys/stat.h>
 
-#include "band_messages.h"
+#include "banded_field.h"
 #include "end_to_end/bands.h"
 #include "end_to_end/mpirun.h"
 #include "holotrace/base/archive.h"

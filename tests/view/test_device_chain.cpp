@@ -9,6 +9,7 @@
 #include <future>
 #include <thread>
 
+#include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/device_camera.h"
@@ -246,9 +247,11 @@ TEST_P(DeviceChains, ShowOnADeviceThatIsFasterWithoutFetchingTheField) {
   const PanelModel panel(chain.slm, chain.show, Modulation::phase, chain.slm.levels, 0,
                          {.wavelength = test_wavelength});
   make_device_fast(1e15);
-  const double seconds = predict_seconds(panel.work().on_processor, summation_rates(),
-                                         int(std::max(1U, std::thread::hardware_concurrency())));
-  const double bytes = (panel.work().sent + panel.work().fetched / 2) / seconds;
+  const double seconds =
+      predict_seconds(panel.work(), summation_rates(), int(std::max(1U, std::thread::hardware_concurrency())));
+  const Array2D<float> drive(chain.slm.grid.ny, chain.slm.grid.nx);
+  const DeviceUse use = forecast_panel(device_, panel, {drive}, false, 1e9).use;
+  const double bytes = double(use.bytes_in + use.bytes_out / 2) / seconds;
   const int number = device_.info().number;
   set_device_rates([=](Device& device) {
     return device.info().number == number ? DeviceRates{0, bytes, 1e15} : DeviceRates();

@@ -153,10 +153,6 @@ const void* shared_batch(int length, const FftLayout& layout, FftDirection direc
   return plan;
 }
 
-}  // namespace
-
-namespace {
-
 // The number of factors 2 of a length that has only factors 2, 3 and 5; no result for others.
 std::optional<int> factors_of_two(int length) {
   const int twos = std::countr_zero(unsigned(length));

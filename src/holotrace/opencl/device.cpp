@@ -90,6 +90,8 @@ Device::Device(const DeviceInfo& info, double free_memory) : info_(info), state_
 
 Device::~Device() = default;
 
+bool Device::only_counts() const { return state_->only_counts; }
+
 void Device::count(size_t bytes, DeviceBuffer& buffer) {
   State& s = *state_;
   buffer.bytes_ = bytes;

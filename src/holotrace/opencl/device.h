@@ -109,6 +109,8 @@ class KernelArgument {
     argument.moved_ = bytes;
     return argument;
   }
+  /// A buffer in place of one that there is not; the kernel does not use it.
+  static KernelArgument unused(const DeviceBuffer& buffer) { return moving(buffer, 0); }
   /// A buffer whose values the kernel reads and writes.
   static KernelArgument changed(const DeviceBuffer& buffer) { return moving(buffer, 2 * buffer.bytes()); }
 
@@ -165,6 +167,15 @@ class Device {
     write(buffer, values.data(), buffer.bytes());
     return buffer;
   }
+  /// Memory with `count` values that fill(Value* to) writes. A device that only counts does not call it.
+  template <class Value, class Fill>
+  DeviceBuffer upload(size_t count, const std::string& what, const Fill& fill) {
+    std::vector<Value> values(only_counts() ? 0 : count);
+    if (!values.empty()) fill(values.data());
+    DeviceBuffer buffer = make_buffer(count * sizeof(Value), what);
+    write(buffer, values.data(), buffer.bytes());
+    return buffer;
+  }
   void write(const DeviceBuffer& to, const void* from, size_t bytes);
   void read(const DeviceBuffer& from, void* to, size_t bytes);
   /// The values of a buffer; ones from a device that only counts.
@@ -199,6 +210,7 @@ class Device {
 
  private:
   friend class DeviceBuffer;
+  bool only_counts() const;
   void count(size_t bytes, DeviceBuffer& buffer);
   void release(DeviceBuffer& buffer) noexcept;
 

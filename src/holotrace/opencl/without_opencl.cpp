@@ -21,6 +21,7 @@ DeviceBuffer::~DeviceBuffer() = default;
 Device::Device(const DeviceInfo&) { fail_without(); }
 Device::Device(const DeviceInfo&, double) { fail_without(); }
 Device::~Device() = default;
+bool Device::only_counts() const { fail_without(); }
 DeviceBuffer Device::make_buffer(size_t, const std::string&) { fail_without(); }
 void Device::release(DeviceBuffer&) noexcept {}
 void Device::write(const DeviceBuffer&, const void*, size_t) { fail_without(); }

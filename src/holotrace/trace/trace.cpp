@@ -14,20 +14,42 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/grid.h"
 #include "holotrace/data/params/parameter.h"
 #include "holotrace/data/params/trace.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/paths/path.h"
-#include "holotrace/trace/tiles.h"
 #include "holotrace/trace/trace_report.h"
 #include "holotrace/trace/waves/ray_waves.h"
 #include "holotrace/trace/waves/source_phase.h"
 #include "holotrace/trace/waves/wave_sets.h"
 
 namespace holotrace {
-
 namespace {
+
+/// A tile of the panel. `centre` is the place from which visibility and radiance are evaluated [m].
+struct PanelTile {
+  PixelBox box;
+  Vec3 centre;
+};
+
+/// The tiles of the panel, each of which sees a source from its own place: params.tile_columns × tile_rows, row by row
+/// from the top. Only the strategy tiled has tiles; the list is empty for the others.
+/// @throws Error  for fewer than 1 × 1 tiles, or more columns or rows than the panel has pixels
+std::vector<PanelTile> make_tiles(const TraceParams& params, const Grid& panel) {
+  if (params.strategy != Strategy::tiled) return {};
+  const int columns = params.tile_columns, rows = params.tile_rows;
+  require(columns >= 1 && rows >= 1 && columns <= panel.nx && rows <= panel.ny,
+          "expected 1 to {} tile_columns and 1 to {} tile_rows on a panel of that many pixels, got {} and {}", panel.nx,
+          panel.ny, columns, rows);
+  std::vector<PanelTile> tiles;
+  for (int t = 0; t < columns * rows; ++t) {
+    const PixelBox box = tile_box(panel, columns, rows, t);
+    tiles.push_back({box, centre_of(panel, box)});
+  }
+  return tiles;
+}
 
 // The waves of single rays and points, before `join` makes sets of them.
 

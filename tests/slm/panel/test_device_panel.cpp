@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
-
 #include "holotrace/slm/panel/device_panel.h"
 #include "holotrace/slm/panel/panel_field_by_device.h"
 #include "support/devices.h"
@@ -158,7 +156,6 @@ TEST_P(DevicePanels, LeaveTheLightAndPullBackTheSlopesOfTheProcessor) {
 TEST_P(DevicePanels, LeaveTheSameLightInBands) {
   const auto lock = device_.lock();
   DevicePanel::Memory memory;
-  std::set<std::pair<bool, bool>> cuts;
   for (const PanelCase& one : cases()) {
     if (one.subpixels == 2 || one.name == "gaps" || one.name == "calibration" || one.name == "a beam") continue;
     const PanelModel host(one.slm, one.params(), one.modulation, 100, 633e-9, one.state());
@@ -173,27 +170,23 @@ TEST_P(DevicePanels, LeaveTheSameLightInBands) {
       panel.leave({level, is_complex ? &moduli : nullptr}, u, memory);
       device_.read(u, expected.samples.values.data(), u.bytes());
     }
-    BandedPanel panel(device_, host);
-    for (const double bytes : {60e3, 200e3, 1e9}) {
-      device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8);
-      const PanelBands bands = BandedPanel::plan(host, bytes, device_.info().largest_buffer);
-      ASSERT_GT(bands.rows, 0) << one.name << bytes;
-      cuts.insert({bands.row_bands > 1, bands.column_bands > 1});
-      std::vector<std::complex<float>> part;
-      int columns_done = 0;
-      panel.leave({drive, is_complex ? &modulus : nullptr}, [&](const SampleColumns& columns, const DeviceBuffer& u) {
-        part.resize(u.bytes() / sizeof part[0]);
-        device_.read(u, part.data(), u.bytes());
-        for (int j = 0; j < found.grid.ny; ++j)
-          std::copy_n(part.data() + j * columns.count, columns.count, found.samples.row(j) + columns.first);
-        columns_done += columns.count;
-      });
+    for (const int parts : {1, 2, 5}) {
+      int columns_done = 0, bands = 0;
+      each_band_of_light(device_, host, {drive, is_complex ? &modulus : nullptr}, parts,
+                         [&](const SampleColumns& columns, const DeviceBuffer& u) {
+                           const auto part = device_.fetch<std::complex<float>>(u);
+                           for (int j = 0; j < found.grid.ny; ++j)
+                             std::copy_n(part.data() + j * columns.count, columns.count,
+                                         found.samples.row(j) + columns.first);
+                           columns_done += columns.count;
+                           ++bands;
+                           return true;
+                         });
       EXPECT_EQ(columns_done, found.grid.nx);
-      EXPECT_EQ(found.samples.values, expected.samples.values) << one.name << one.subpixels << " " << bytes;
+      EXPECT_EQ(bands, parts);
+      EXPECT_EQ(found.samples.values, expected.samples.values) << one.name << one.subpixels << " " << parts;
     }
-    device_.limit_memory(0);
   }
-  EXPECT_EQ(cuts.size(), 3u) << "whole, in bands of rows, and in bands of both";
 }
 
 // Of two levels, slopes are those halfway between them in all pixels but dead ones.
@@ -233,12 +226,9 @@ TEST_P(DevicePanels, WriteNothingPastTheirBuffers) {
       DevicePanel::Memory memory;
       panel.leave({level, &moduli}, u, memory);
       panel.add_slopes({level, &moduli}, u, {slope, &of_modulus}, memory);
-      device_.limit_memory((double(device_.use().bytes_held) + 60e3) / 0.8);
-      int bands = 0;
-      BandedPanel(device_, host)
-          .leave({drawn(one.slm, 100, 1), &drawn_moduli}, [&](const SampleColumns&, DeviceBuffer&) { ++bands; });
-      EXPECT_GT(bands, 1);
-      device_.limit_memory(0);
+      const Array2D<float> drive = drawn(one.slm, 100, 1);
+      each_band_of_light(device_, host, {drive, &drawn_moduli}, 3,
+                         [](const SampleColumns&, const DeviceBuffer&) { return true; });
     }
   }
   device_.guard_buffers(false);

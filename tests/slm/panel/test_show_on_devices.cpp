@@ -118,26 +118,80 @@ TEST_P(ShowDevices, TransferLevelsAndTheFieldOnly) {
 
 // What does not fit at once is done in bands; the bytes are the same. The limits are those where a byte less makes a band more.
 TEST_P(ShowDevices, ShowInBandsWhatDoesNotFit) {
-  for (const ShownCase& one : shown_cases()) {
+  for (ShownCase one : shown_cases()) {
+    one.slm.grid.ny = 40;  // lines that need no work space
     const PanelModel panel(with_effects(one.slm, one.params.effects), one.params, one.slm.modulation, one.slm.levels,
                            test_wavelength, one.state);
-    const auto is_whole = [&](double bytes) { return BandedPanel::plan(panel, bytes, 1e12).is_whole(); };
-    double few = 0, enough = 1e8;
-    while (enough - few > 1) (is_whole((few + enough) / 2) ? enough : few) = (few + enough) / 2;
+    const Array2D<float> drive(one.slm.grid.ny, one.slm.grid.nx);
+    const PanelModel::Pattern pattern{drive, one.slm.modulation == Modulation::complex ? &drive : nullptr};
+    const double enough = double(forecast_panel(device_, panel, pattern, false, 1e9).use.most_held);
+    EXPECT_EQ(forecast_panel(device_, panel, pattern, false, enough).parts, 1);
+    EXPECT_EQ(forecast_panel(device_, panel, pattern, false, enough - 1).parts, 2);
     const Field expected = shown(one, on_device(one.params));
-    // With the tables of the panel, which are there before.
     const auto sent_with = [&](double bytes) {
       device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8);
       const size_t before = device_.use().bytes_in;
       EXPECT_EQ(shown(one, on_device(one.params)).samples.values, expected.samples.values) << one.name << bytes;
       return device_.use().bytes_in - before;
     };
-    const double tables = 60e3;
-    const size_t whole = sent_with(enough + tables);
+    const size_t whole = sent_with(enough);
     const size_t pixels = size_t(one.slm.grid.pixels());
     EXPECT_EQ(sent_with(1e9), whole) << one.name;
-    EXPECT_GE(sent_with(few / 2), whole + pixels * 4) << one.name << ": levels are sent for every band of columns";
+    EXPECT_GE(sent_with(enough - 1), whole + pixels * 4) << one.name << ": levels are sent for every band of columns";
   }
+}
+
+// Whole, and in parts: with half of the memory that the whole takes, and with a fifth.
+TEST_P(ShowDevices, DoWhatIsForecast) {
+  for (const ShownCase& one : shown_cases()) {
+    const PanelModel panel(with_effects(one.slm, one.params.effects), one.params, one.slm.modulation, one.slm.levels,
+                           test_wavelength, one.state);
+    const Array2D<float> drive(one.slm.grid.ny, one.slm.grid.nx);
+    const PanelModel::Pattern pattern{drive, one.slm.modulation == Modulation::complex ? &drive : nullptr};
+    const double whole = double(forecast_panel(device_, panel, pattern, false, 1e9).use.most_held);
+    int most_parts = 0;
+    for (const bool may_stay : {false, true})
+      for (const double part : {1.0, 0.5, 0.2}) {
+        SCOPED_TRACE(one.name + ", " + std::to_string(part));
+        const PanelForecast expected = forecast_panel(device_, panel, pattern, may_stay, part * whole);
+        ASSERT_TRUE(expected.fits);
+        EXPECT_EQ(expected.parts == 1, part == 1);
+        most_parts = std::max(most_parts, expected.parts);
+        device_.limit_memory((double(device_.use().bytes_held) + part * whole) / 0.8);
+        const DeviceUse before = device_.use();
+        const DeviceChoice choice{DeviceKind::opencl, GetParam()};
+        if (may_stay) {
+          const PanelField field = *panel_field_on_device(panel, pattern, choice);
+          EXPECT_EQ(std::holds_alternative<DeviceField>(field.field), expected.stays);
+          EXPECT_EQ(device_.use().bytes_in - before.bytes_in, expected.use.bytes_in);
+        } else {
+          panel_field_by_device(panel, pattern, choice);
+          const DeviceUse after = device_.use();
+          EXPECT_EQ(after.kernels - before.kernels, expected.use.kernels);
+          EXPECT_EQ(after.bytes_moved - before.bytes_moved, expected.use.bytes_moved);
+          EXPECT_EQ(after.bytes_out - before.bytes_out, expected.use.bytes_out);
+          EXPECT_EQ(after.bytes_in - before.bytes_in, expected.use.bytes_in);
+          EXPECT_EQ(after.transfers - before.transfers, expected.use.transfers);
+        }
+        device_.limit_memory(0);
+      }
+    EXPECT_GE(most_parts, 4);
+  }
+}
+
+// A panel without effects. In memory, for each pixel: its phase (4 bytes); its light, the same for the transform, and after the
+// transforms along rows and columns and each transposition (6 × 8). Read and written: the level and the phase (4 + 4); the phase and the
+// light (4 + 8); and five steps of 8 + 8. Beside this the projection of the light over a pixel (4), and weights and factors of transforms (8 + 8).
+TEST_P(ShowDevices, CountMemoryAndWhatKernelsReadAndWrite) {
+  one_.slm.grid = {48, 40, test_pitch};  // lines that a group of work items holds
+  const PanelModel panel(one_.slm, {}, Modulation::phase, 200, 0, one_.state);
+  const Array2D<float> drive(one_.slm.grid.ny, one_.slm.grid.nx);
+  const DeviceUse use = forecast_panel(device_, panel, {drive}, false, 1e9).use;
+  const size_t pixels = 48 * 40, lines = 48 + 40;
+  EXPECT_EQ(use.bytes_moved, (8 + 12 + 5 * 16) * pixels + 2 * 8 * lines + 4);
+  EXPECT_GE(use.most_held, (4 + 6 * 8) * pixels + 8 * lines + 4);
+  EXPECT_LE(use.most_held, (4 + 6 * 8) * pixels + 2 * 8 * lines + 4) << "factors of transforms, at most as many";
+  EXPECT_EQ(use.bytes_out, 8 * pixels);
 }
 
 // A field that does not fit beside its bands comes back.

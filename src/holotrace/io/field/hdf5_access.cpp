@@ -28,10 +28,6 @@ std::string name_of(hid_t object) {
   return name[0] == '/' ? name.data() + 1 : name.data();
 }
 
-}  // namespace
-
-namespace {
-
 herr_t refuse_link(const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) { return -1; }
 
 // How links to other files are followed.
@@ -40,10 +36,6 @@ hid_t access_to_links(Outside outside) {
   if (outside == Outside::refused) H5Pset_elink_cb(access, refuse_link, nullptr);
   return access;
 }
-
-}  // namespace
-
-namespace {
 
 // The dataset to open: that of the name, or the only one of complex numbers beside it.
 std::string name_or_only_complex(hid_t file, const std::string& name) {

@@ -169,10 +169,6 @@ std::string panel_file(const std::string& name) {
   return "";
 }
 
-}  // namespace
-
-namespace {
-
 Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain);
 
 // Loads a panel by name, or from a file NAME.toml. `chain` has the panels that led here, each of which extends the next.

@@ -59,10 +59,6 @@ double room_for(const Device& device, const PlacedField& field) {
   return possible_room(device) + (field.is_on(device) ? bytes_of(field.head()) : 0);
 }
 
-}  // namespace
-
-namespace {
-
 // A hologram of that size without levels, for devices that only count.
 Hologram without_levels(const Hologram& blank) {
   Hologram counted;

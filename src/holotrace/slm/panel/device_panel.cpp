@@ -29,9 +29,14 @@ DeviceBuffer upload(Device& device, const Values& values) {
   return buffer;
 }
 
-// A buffer, or if it is empty any other, which the kernel then does not read.
-const DeviceBuffer& either(const DeviceBuffer& buffer, const DeviceBuffer& other) {
-  return buffer.bytes() > 0 ? buffer : other;
+// A buffer, or if it is empty any other, which the kernel then does not use.
+KernelArgument either(const DeviceBuffer& buffer, const DeviceBuffer& other) {
+  return buffer.bytes() > 0 ? KernelArgument(buffer) : KernelArgument::unused(other);
+}
+
+// An array to whose values the kernel adds, or which it writes.
+KernelArgument added_to(const DeviceBuffer& buffer, bool adds) {
+  return adds ? KernelArgument::changed(buffer) : KernelArgument(buffer);
 }
 
 }  // namespace
@@ -95,34 +100,34 @@ void DevicePanel::make(DeviceBuffer& buffer, size_t floats) {
   buffer = device_.make_buffer(floats * sizeof(float), "a panel");
 }
 
-// Calls work(buffer, its floats) for all arrays of a call.
-template <class Work>
-void DevicePanel::each_buffer(Memory& memory, bool has_slopes, const Work& work) const {
-  const size_t pixels = sizes_.pixels(), n = size_t(sizes_.n);
-  const auto of_pixels = [&](Pixels& values) {
-    work(values.cycles, pixels);
-    if (sizes_.has_amplitude) work(values.amplitudes, pixels);
-  };
-  of_pixels(memory.pixels);
-  if (has_blur_) of_pixels(memory.blurred);
-  if (has_slopes) of_pixels(memory.of_pixels);
-  if (has_slopes && has_blur_)
-    for (Pixels* values : {&memory.of_points, &memory.of_rows}) of_pixels(*values);
-  work(memory.terms, 2 * size_t(sizes_.expansion.pairs()) * pixels);
-  for (DeviceBuffer* buffer : {&memory.term, &memory.rows, &memory.columns}) work(*buffer, 2 * n * pixels);
-  work(memory.turned, 2 * n * n * pixels);
-  if (n > 1 || has_slopes) work(memory.spread, 2 * n * n * pixels);
-}
-
 void DevicePanel::make_memory(Memory& memory, bool has_slopes) {
-  each_buffer(memory, has_slopes, [&](DeviceBuffer& buffer, size_t floats) { make(buffer, floats); });
+  const size_t pixels = sizes_.pixels(), n = size_t(sizes_.n);
+  const auto make_pixels = [&](Pixels& values) {
+    make(values.cycles, pixels);
+    if (sizes_.has_amplitude) make(values.amplitudes, pixels);
+  };
+  make_pixels(memory.pixels);
+  if (has_blur_) make_pixels(memory.blurred);
+  if (has_slopes) make_pixels(memory.of_pixels);
+  if (has_slopes && has_blur_)
+    for (Pixels* values : {&memory.of_points, &memory.of_rows}) make_pixels(*values);
+  make(memory.terms, 2 * size_t(sizes_.expansion.pairs()) * pixels);
+  for (DeviceBuffer* buffer : {&memory.term, &memory.rows, &memory.columns}) make(*buffer, 2 * n * pixels);
+  make(memory.turned, 2 * n * n * pixels);
+  if (n > 1 || has_slopes) make(memory.spread, 2 * n * n * pixels);
 }
 
-double DevicePanel::bytes_of_memory() const {
-  Memory none;
-  double floats = 0;
-  each_buffer(none, true, [&](DeviceBuffer&, size_t of_buffer) { floats += double(of_buffer); });
-  return floats * sizeof(float);
+double DevicePanel::bytes_of_memory(const Device& device, const PanelModel& model) {
+  Device counter(device.info(), device.memory());
+  DevicePanel panel(counter, model);
+  const Sizes& sizes = panel.sizes();
+  const DeviceBuffer levels = counter.make_buffer(sizes.pixels() * sizeof(float), "a panel"),
+                     u = counter.make_buffer(size_t(model.head().grid.pixels()) * sizeof(Complex), "a panel");
+  const size_t before = counter.use().bytes_held;
+  Memory memory;
+  panel.leave({levels, &levels}, u, memory);
+  panel.add_slopes({levels, &levels}, u, {levels, &levels}, memory);
+  return double(counter.use().bytes_held - before);
 }
 
 DevicePanel::Response DevicePanel::response(const DevicePattern& pattern) const {
@@ -156,10 +161,11 @@ Kernel DevicePanel::kernel(const char* name) const {
 // Phases and amplitudes of the pixels of some rows.
 void DevicePanel::respond(const DevicePattern& pattern, int rows, const PixelMaps& maps, const Memory& memory) {
   const DeviceBuffer& drive = pattern.drive;
-  device_.run(kernel("respond"), over(sizes_.nx, rows),
-              {response(pattern), drive, pattern.modulus ? *pattern.modulus : drive, either(maps.stuck, drive),
-               either(maps.stuck_moduli, drive), either(knots_, drive), memory.pixels.cycles,
-               either(memory.pixels.amplitudes, memory.pixels.cycles)});
+  device_.run(
+      kernel("respond"), over(sizes_.nx, rows),
+      {response(pattern), drive, pattern.modulus ? KernelArgument(*pattern.modulus) : KernelArgument::unused(drive),
+       either(maps.stuck, drive), either(maps.stuck_moduli, drive), either(knots_, drive), memory.pixels.cycles,
+       either(memory.pixels.amplitudes, memory.pixels.cycles)});
 }
 
 // The light on the panel times the field, row by row; or its conjugate, column by column.
@@ -168,9 +174,10 @@ void DevicePanel::illuminate(const DeviceBuffer& u, const SampleColumns& columns
   if (light_x_.bytes() == 0 && !has_light_) return;
   const int along = is_back ? sizes_.n * sizes_.ny : columns.count,
             lines = is_back ? columns.count : sizes_.n * sizes_.ny;
-  device_.run(kernel("illuminate"), over(along, lines),
-              {int32_t(along), int32_t(lines), int32_t(columns.first), int32_t(has_light_), int32_t(is_back),
-               int32_t(is_back), either(light_x_, u), either(light_y_, u), either(maps.light, u), u});
+  device_.run(
+      kernel("illuminate"), over(along, lines),
+      {int32_t(along), int32_t(lines), int32_t(columns.first), int32_t(has_light_), int32_t(is_back), int32_t(is_back),
+       either(light_x_, u), either(light_y_, u), either(maps.light, u), KernelArgument::changed(u)});
 }
 
 // With crosstalk: the blur along the columns to a row of the points of all pixels, or its adjoint.
@@ -181,7 +188,7 @@ void DevicePanel::blur_columns(const Pixels& from, const Pixels& to, const Pixel
     if (values == &Pixels::cycles || sizes_.has_amplitude)
       device_.run(kernel("blur_columns"), over(sizes_.nx, rows.count),
                   {int32_t(sizes_.nx), int32_t(rows.count + 2 * rows.halo), int32_t(rows.halo), int32_t(reach_y_),
-                   first, sign, int32_t(blur.adds), taps_y_, from.*values, to.*values});
+                   first, sign, int32_t(blur.adds), taps_y_, from.*values, added_to(to.*values, blur.adds)});
 }
 
 // The spectrum of a line of samples, times the weights of a term, or their conjugates, and back.
@@ -204,7 +211,8 @@ void DevicePanel::make_terms(const DevicePattern& pattern, const PixelRows& rows
     blur_columns(memory.pixels, memory.blurred, rows, {cy, false, false});
     device_.run(kernel("add_terms"), over(sizes_.nx, rows.count),
                 {pixel(rows.count), int32_t(cy), shown.cycles, either(shown.amplitudes, shown.cycles),
-                 either(taps_x_, shown.cycles), projections_, either(maps.static_errors, shown.cycles), memory.terms});
+                 either(taps_x_, shown.cycles), projections_, either(maps.static_errors, shown.cycles),
+                 added_to(memory.terms, cy > 0)});
   }
   const int width = sizes_.n * sizes_.nx;
   if (sizes_.n > 1) device_.run(kernel("clear_samples"), over(width, rows.count), {int32_t(width), memory.term});
@@ -213,10 +221,12 @@ void DevicePanel::make_terms(const DevicePattern& pattern, const PixelRows& rows
 void DevicePanel::spread_rows(int q, const PixelRows& rows, const SampleColumns& columns, const Memory& memory,
                               const DeviceBuffer& to) {
   const int terms = sizes_.expansion.terms;
+  const size_t of_term = size_t(sizes_.nx) * size_t(rows.count) * sizeof(Complex);
   for (int p = 0; p < terms - q; ++p) {
     const int pair = q * terms - q * (q - 1) / 2 + p;
     device_.run(kernel("take_term"), over(sizes_.nx, rows.count),
-                {int32_t(sizes_.nx), int32_t(rows.count), int32_t(sizes_.n), int32_t(pair), memory.terms, memory.term});
+                {int32_t(sizes_.nx), int32_t(rows.count), int32_t(sizes_.n), int32_t(pair),
+                 KernelArgument::moving(memory.terms, of_term), KernelArgument::moving(memory.term, of_term)});
     LineTransform line = along(weights_x_, sizes_.n * sizes_.nx, p, false, p > 0);
     line.out.count = columns.count;
     line.out.shift = columns.first;
@@ -239,9 +249,9 @@ void DevicePanel::finish(const SampleColumns& columns, const SampleMaps& maps, c
   const int height = sizes_.n * sizes_.ny;
   lines_.transpose(columns.count, height, memory.turned, u);
   if (gap_re_ != 0 || gap_im_ != 0)
-    device_.run(
-        kernel("add_gaps"), over(columns.count, height),
-        {int32_t(columns.count), whole_gap_re_, whole_gap_im_, int32_t(has_gap_field_), either(maps.gaps, u), u});
+    device_.run(kernel("add_gaps"), over(columns.count, height),
+                {int32_t(columns.count), whole_gap_re_, whole_gap_im_, int32_t(has_gap_field_), either(maps.gaps, u),
+                 KernelArgument::changed(u)});
   illuminate(u, columns, maps, false);
 }
 
@@ -270,16 +280,17 @@ void DevicePanel::add_point_slopes(int cx, int cy, const Memory& memory) {
   for (DeviceBuffer Pixels::*values : {&Pixels::cycles, &Pixels::amplitudes})
     if (values == &Pixels::cycles || sizes_.has_amplitude)
       device_.run(kernel("blur_rows_back"), over(sizes_.nx, sizes_.ny),
-                  {pixel(sizes_.ny), int32_t(cx), taps_x_, to.*values, memory.of_rows.*values});
+                  {pixel(sizes_.ny), int32_t(cx), taps_x_, to.*values, added_to(memory.of_rows.*values, cx > 0)});
 }
 
 void DevicePanel::add_pattern_slopes(const DevicePattern& pattern, const DeviceSlopes& to, const Memory& memory) {
   const DeviceBuffer& drive = pattern.drive;
-  device_.run(
-      kernel("pattern_slopes"), over(sizes_.nx, sizes_.ny),
-      {response(pattern), float(to.factor), drive, pattern.modulus ? *pattern.modulus : drive,
-       either(pixels_.stuck, drive), either(knots_, drive), memory.of_pixels.cycles,
-       either(memory.of_pixels.amplitudes, memory.of_pixels.cycles), to.drive, to.modulus ? *to.modulus : to.drive});
+  device_.run(kernel("pattern_slopes"), over(sizes_.nx, sizes_.ny),
+              {response(pattern), float(to.factor), drive,
+               pattern.modulus ? KernelArgument(*pattern.modulus) : KernelArgument::unused(drive),
+               either(pixels_.stuck, drive), either(knots_, drive), memory.of_pixels.cycles,
+               either(memory.of_pixels.amplitudes, memory.of_pixels.cycles), KernelArgument::changed(to.drive),
+               to.modulus ? KernelArgument::changed(*to.modulus) : KernelArgument::unused(to.drive)});
 }
 
 void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to,
@@ -289,6 +300,7 @@ void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g
   respond(pattern, sizes_.ny, pixels_, memory);
   const int n = sizes_.n, width = n * sizes_.nx, height = n * sizes_.ny, terms = sizes_.expansion.terms;
   const PixelRows rows{0, sizes_.ny, 0};
+  const size_t of_term = sizes_.pixels() * sizeof(Complex);
   lines_.transpose(height, width, g, memory.turned);
   illuminate(memory.turned, {0, width}, samples_, true);
   for (int q = 0, pair = 0; q < terms; ++q) {
@@ -301,7 +313,8 @@ void DevicePanel::add_slopes(const DevicePattern& pattern, const DeviceBuffer& g
       lines_.run(along(weights_x_, width, p, true, false), sizes_.ny, memory.rows, memory.term);
       device_.run(kernel("put_term"), over(sizes_.nx, sizes_.ny),
                   {int32_t(sizes_.nx), int32_t(sizes_.ny), int32_t(n), int32_t(pair), int32_t(has_static_),
-                   either(pixels_.static_errors, memory.term), memory.term, memory.terms});
+                   either(pixels_.static_errors, memory.term), KernelArgument::moving(memory.term, of_term),
+                   KernelArgument::moving(memory.terms, of_term)});
     }
   }
   for (int cy = 0; cy < sizes_.expansion.points; ++cy) {

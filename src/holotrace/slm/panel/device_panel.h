@@ -41,7 +41,7 @@ struct SampleMaps {
   DeviceBuffer gaps, light;
 };
 
-/// Whether these maps are on the device for the whole panel, or made for each band (BandedPanel).
+/// Whether these maps are on the device for the whole panel, or made for each part (each_band_of_light).
 enum class PanelMaps { whole, in_bands };
 
 /// A PanelModel on an OpenCL device: the light that leaves it, and gradients back, with all effects.
@@ -67,8 +67,8 @@ class DevicePanel {
   /// @throws Error  as Device does
   DevicePanel(Device& device, const PanelModel& model, PanelMaps maps = PanelMaps::whole);
 
-  /// Memory of both calls [bytes].
-  double bytes_of_memory() const;
+  /// Memory that both calls keep on a device, without that of patterns and fields [bytes]; counted (opencl/device.h).
+  static double bytes_of_memory(const Device& device, const PanelModel& model);
 
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
   void leave(const DevicePattern& pattern, const DeviceBuffer& u, Memory& memory);
@@ -76,7 +76,7 @@ class DevicePanel {
   /// Adds factor·∂f/∂drive to the slopes, given g = ∂f/∂Re u + i·∂f/∂Im u (PanelModel::add_slopes).
   void add_slopes(const DevicePattern& pattern, const DeviceBuffer& g, const DeviceSlopes& to, Memory& memory);
 
-  // What `leave` is made of, for the whole panel or for bands (panel_field_by_device.h).
+  // What `leave` is made of, for the whole panel or for parts (each_band_of_light).
 
   struct Sizes {
     int nx, ny, n;
@@ -90,10 +90,6 @@ class DevicePanel {
   /// The maps of some rows of pixels, those of dead pixels with their halo; and of some columns of samples.
   static PixelMaps pixel_maps(Device& device, const PanelModel& model, const PixelRows& rows);
   static SampleMaps sample_maps(Device& device, const PanelModel& model, const SampleColumns& columns);
-
-  /// Their memory [bytes], of each pixel and of each sample.
-  static double bytes_of_pixel_maps(const PanelModel& model);
-  static double bytes_of_sample_maps(const PanelModel& model);
 
   /// Terms of the light of some rows of pixels, given their pattern and that of their halo.
   void make_terms(const DevicePattern& pattern, const PixelRows& rows, const PixelMaps& maps, const Memory& memory);
@@ -113,8 +109,6 @@ class DevicePanel {
   struct Response;
   struct Pixel;
   void make(DeviceBuffer& buffer, size_t floats);
-  template <class Work>
-  void each_buffer(Memory& memory, bool has_slopes, const Work& work) const;
   void make_memory(Memory& memory, bool has_slopes);
   Response response(const DevicePattern& pattern) const;
   Pixel pixel(int rows) const;

@@ -14,26 +14,24 @@ namespace {
 using Complex = std::complex<float>;
 
 // The levels of the dead pixels of some rows and their halo, of a panel that is taken as periodic; −1 for all others.
-std::vector<float> stuck_levels(const std::vector<StuckPixel>& stuck, const Grid& pixels, const PixelRows& rows,
-                                double scale) {
+void write_stuck_levels(const std::vector<StuckPixel>& stuck, const Grid& pixels, const PixelRows& rows, double scale,
+                        float* levels) {
   const int64_t nx = pixels.nx, ny = pixels.ny, count = rows.count + 2 * rows.halo;
-  std::vector<float> levels(size_t(nx * count), -1);
+  std::fill_n(levels, nx * count, -1.0F);
   for (const StuckPixel& one : stuck) {
     // Its places in the rows from `first − halo` on: more than one if these are more than the panel has.
     int64_t row = (one.pixel / nx - (rows.first - rows.halo)) % ny;
     if (row < 0) row += ny;
-    for (; row < count; row += ny) levels[size_t(row * nx + one.pixel % nx)] = float(one.level * scale);
+    for (; row < count; row += ny) levels[row * nx + one.pixel % nx] = float(one.level * scale);
   }
-  return levels;
 }
 
 // A box of an array that has values.
 DeviceBuffer upload_box(Device& device, const Array2D<Complex>& values, const PixelBox& box) {
   if (values.size() == 0) return {};
-  std::vector<Complex> part;
-  part.reserve(size_t(box.pixels()));
-  for (int j = box.y0; j < box.y1; ++j) part.insert(part.end(), values.row(j) + box.x0, values.row(j) + box.x1);
-  return device.upload(part, "a panel");
+  return device.upload<Complex>(size_t(box.pixels()), "a panel", [&](Complex* to) {
+    for (int j = box.y0; j < box.y1; ++j) to = std::copy(values.row(j) + box.x0, values.row(j) + box.x1, to);
+  });
 }
 
 }  // namespace
@@ -45,7 +43,9 @@ PixelMaps DevicePanel::pixel_maps(Device& device, const PanelModel& model, const
   const bool is_amplitude = parts.modulation == Modulation::amplitude;
   PixelMaps maps;
   const auto stuck = [&](double scale) {
-    return device.upload(stuck_levels(parts.stuck, parts.slm.grid, rows, scale), "a panel");
+    const size_t count = size_t(parts.nx()) * size_t(rows.count + 2 * rows.halo);
+    return device.upload<float>(
+        count, "a panel", [&](float* levels) { write_stuck_levels(parts.stuck, parts.slm.grid, rows, scale, levels); });
   };
   if (!parts.stuck.empty()) {
     maps.stuck = stuck(is_amplitude ? of_amplitude : of_phase);
@@ -59,17 +59,6 @@ SampleMaps DevicePanel::sample_maps(Device& device, const PanelModel& model, con
   const PanelModel::Parts& parts = *model.parts_;
   const PixelBox box{columns.first, columns.first + columns.count, 0, parts.out.ny};
   return {upload_box(device, parts.gap_field, box), upload_box(device, parts.light.samples, box)};
-}
-
-double DevicePanel::bytes_of_pixel_maps(const PanelModel& model) {
-  const PanelModel::Parts& parts = *model.parts_;
-  const double of_stuck = parts.stuck.empty() ? 0 : parts.modulation == Modulation::complex ? 8 : 4;
-  return of_stuck + (parts.static_errors.size() > 0 ? 8 : 0);
-}
-
-double DevicePanel::bytes_of_sample_maps(const PanelModel& model) {
-  const PanelModel::Parts& parts = *model.parts_;
-  return (parts.gap_field.size() > 0 ? 8 : 0) + (parts.light.samples.size() > 0 ? 8 : 0);
 }
 
 }  // namespace holotrace

@@ -70,25 +70,18 @@ double PanelModel::power_in() const {
   return parts.params.irradiance * mean * grid.width() * grid.height();
 }
 
-// The blur of crosstalk counts neither for the processor nor for the device.
-PanelWork PanelModel::work() const {
+// The blur of crosstalk does not count.
+SummationWork PanelModel::work() const {
   const Parts& p = *parts_;
   const double n = p.params.subpixels, nx = p.nx(), ny = p.ny(), pixels = nx * ny;
   const double points = p.expansion.points, terms = p.expansion.terms, pairs = p.expansion.pairs();
   const double samples = n * n * pixels, in_rows = n * pixels;
-  constexpr double sample_bytes = sizeof(std::complex<float>);
-  PanelWork work;
-  work.on_processor.fft_operations = ny * (pairs * fft_operations(nx) + terms * fft_operations(n * nx)) +
-                                     n * nx * (terms * fft_operations(ny) + fft_operations(n * ny));
+  SummationWork work;
+  work.fft_operations = ny * (pairs * fft_operations(nx) + terms * fft_operations(n * nx)) +
+                        n * nx * (terms * fft_operations(ny) + fft_operations(n * ny));
   // Light of the points and its projections, products with weights, and copies of columns.
-  work.on_processor.samples =
+  work.samples =
       pixels * points * (points + terms) + pairs * (pixels + in_rows) + terms * (2 * in_rows + samples) + samples;
-  // Of each row of points: their light, added to the terms. Of each pair of terms: its copy and transforms along x; of each
-  // row of terms two transpositions and a transform along y.
-  work.moved = sample_bytes * (points * (pixels + 2 * pairs * pixels) + pairs * 5 * in_rows +
-                               terms * (3 * in_rows + 4 * samples) + 2 * samples + 2 * pixels);
-  work.sent = sample_bytes * pixels;
-  work.fetched = sample_bytes * samples;
   return work;
 }
 

@@ -14,13 +14,6 @@ namespace holotrace {
 
 struct PixelExpansion;
 
-/// Work of a panel: operations of the processor; bytes that a device reads and writes, that are sent to it, and those of the
-/// field that is fetched.
-struct PanelWork {
-  SummationWork on_processor;
-  double moved = 0, sent = 0, fetched = 0;
-};
-
 /// A panel under one illumination state, prepared for any number of patterns. It computes the field that leaves the
 /// panel from the drive of its pixels, and gradients back. Both `show` and the encoder `sgd` use it.
 ///
@@ -96,12 +89,11 @@ class PanelModel {
   /// Power of the light on the panel [W].
   double power_in() const;
 
-  /// What `leave` takes, for the choice of a device.
-  PanelWork work() const;
+  /// What the processor does to `leave`, for the choice of a device.
+  SummationWork work() const;
 
  private:
   friend class DevicePanel;
-  friend class BandedPanel;
   struct Parts;
   std::shared_ptr<const Parts> parts_;
 };

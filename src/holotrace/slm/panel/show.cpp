@@ -136,7 +136,7 @@ struct Shown {
   std::optional<SpectralFilter> filter;
   Label label{};
 
-  PanelPattern pattern() const { return {drive, is_complex ? &moduli : nullptr}; }
+  PanelModel::Pattern pattern() const { return {drive, is_complex ? &moduli : nullptr}; }
 
   // Sets what the camera needs to know.
   void complete(Field& field) const {

@@ -56,8 +56,8 @@ inline void warn_of_takeover(const Observer& observer, const std::string& why) {
   observer.warn(fmt::format("the device auto: the processor took over, because {}", why));
 }
 
-/// What work(device) returns on the device of a choice: the one that is named, or for `auto` the one that `fastest()` names
-///. If that one fails, a warning says why.
+/// What work(device) returns on the device of a choice: the one that is named, or for `auto` the one that `fastest()` names.
+/// If that one fails, a warning says why.
 ///
 /// Fact: `device`, its name.
 /// @return        nothing if the processor should do it

@@ -119,9 +119,10 @@ const DeviceBuffer& LineTransforms::twiddles(int length) {
 void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& from, const DeviceBuffer& to) {
   require(t.length >= 1, "expected a transform of at least one sample, got {}", t.length);
   const DeviceBuffer& roots = twiddles(t.length);
-  const auto or_none = [&](const LineFactors& f) -> const DeviceBuffer& { return f.values ? *f.values : roots; };
-  const DeviceBuffer &enter = or_none(t.in.factors), &filter = or_none(t.filter), &ramp = or_none(t.ramp),
-                     &leave = or_none(t.out.factors);
+  const auto or_none = [&](const LineFactors& f) {
+    return f.values ? KernelArgument(*f.values) : KernelArgument::unused(roots);
+  };
+  const KernelArgument enter = or_none(t.in.factors), ramp = or_none(t.ramp), leave = or_none(t.out.factors);
   const std::vector<int> factors = factors_of(t.length);
   LineJob job = job_of(t);
   // What so many lines read and write.
@@ -132,8 +133,9 @@ void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& 
     return KernelArgument::moving(to, size_t(count) * size_t(t.out.count) * sizeof(Complex) * (t.adds ? 2 : 1));
   };
   const auto filtering = [&](int count) {
-    const size_t of_line = t.filter.values ? size_t(t.length) * sizeof(Complex) : 0;
-    return KernelArgument::moving(filter, of_line * (t.filter.step != 0 ? size_t(count) : 1));
+    if (!t.filter.values) return KernelArgument::unused(roots);
+    const size_t of_line = size_t(t.length) * sizeof(Complex);
+    return KernelArgument::moving(*t.filter.values, of_line * (t.filter.step != 0 ? size_t(count) : 1));
   };
   if (is_held_line(device_, t.length)) {
     const int held = held_samples(device_, t.length);

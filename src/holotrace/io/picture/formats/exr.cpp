@@ -27,7 +27,7 @@ namespace holotrace {
 namespace {
 
 /// Gives OpenEXR's pool of threads, which has none at first, as many as all else here has.
-inline void start_exr_threads() {
+void start_exr_threads() {
   if (Imf::globalThreadCount() == 0) Imf::setGlobalThreadCount(thread_count());
 }
 

@@ -29,8 +29,9 @@ DeviceDrivenPanel::DeviceDrivenPanel(Device& device, const DrivenPanel& panel) :
 
 double DeviceDrivenPanel::bytes_of_memory() const {
   double bytes = 0;
-  for (const std::optional<DevicePanel>* panel : {&model_, &coarse_, &mean_})
-    if (*panel) bytes = std::max(bytes, (*panel)->bytes_of_memory());
+  for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse, PixelDetail::mean})
+    if (const PanelModel* model = panel_.model(detail))
+      bytes = std::max(bytes, DevicePanel::bytes_of_memory(device_, *model));
   return bytes;
 }
 
