@@ -43,14 +43,14 @@ bool has_surfaces(const Scene& scene) {
 namespace {
 
 /// Triangles of a mesh that one thread visits.
-struct Triangles {
+struct TriangleBlock {
   const Mesh* mesh;
   size_t first, last;
 };
 
-std::vector<Triangles> blocks_of(const Scene& scene, const std::vector<LightSurface>& lamps) {
+std::vector<TriangleBlock> blocks_of(const Scene& scene, const std::vector<LightSurface>& lamps) {
   constexpr size_t size = 4096;
-  std::vector<Triangles> blocks;
+  std::vector<TriangleBlock> blocks;
   const auto add = [&](const Mesh& mesh) {
     for (size_t first = 0; first < mesh.triangles.size(); first += size)
       blocks.push_back({&mesh, first, std::min(first + size, mesh.triangles.size())});
@@ -77,7 +77,7 @@ struct Moments {
 /// The sum of add(place, weight, moments) over the corners of all triangles. The blocks are added in their order, so the sum
 /// does not depend on the number of threads.
 template <class Add>
-Moments sum_over(const std::vector<Triangles>& blocks, const Add& add) {
+Moments sum_over(const std::vector<TriangleBlock>& blocks, const Add& add) {
   constexpr double nearest = 1e-6;  // [m]; keeps the weight of a vertex on the panel finite
   std::vector<Moments> sums(blocks.size());
   parallel_for(0, int64_t(blocks.size()), [&](int64_t b) {
@@ -98,7 +98,7 @@ Moments sum_over(const std::vector<Triangles>& blocks, const Add& add) {
 
 ScenePrecision precision_of(const Scene& scene) {
   const std::vector<LightSurface> lamps = light_surfaces(scene);
-  const std::vector<Triangles> blocks = blocks_of(scene, lamps);
+  const std::vector<TriangleBlock> blocks = blocks_of(scene, lamps);
   ScenePrecision precision;
   const Moments mean = sum_over(blocks, [](Vec3 p, double weight, Moments& sum) {
     sum.first += p * weight;
