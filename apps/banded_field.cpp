@@ -291,7 +291,7 @@ void make_field_in_bands(BandedField field, Ranks& ranks, const Observer& observ
   for (BandFile& file : work->files) file.file->finish();
 }
 
-// The part of the ranks other than rank 0 in a field made in bands.
+// --- the ranks other than rank 0 ---
 
 namespace {
 

@@ -8,7 +8,6 @@
 #include "commands.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
-#include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/estimate/job_estimate.h"
 
 namespace holotrace {

@@ -21,6 +21,7 @@
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/wave/propagate/device_propagator.h"
+#include "holotrace/wave/shared/stage_on_device.h"
 #include "holotrace/wave/sum_exact.h"
 #include "holotrace/wave/synthesize.h"
 #include "holotrace/wave/tiles/device_tiles.h"
@@ -182,7 +183,7 @@ BenchRow bench_show_on_device(const BenchOptions& options) {
   const PanelModel panel(slm, params, Modulation::phase, slm.levels, 0, state);
   const Array2D<float> drive(slm.grid.ny, slm.grid.nx);
   const Device& device = open_device(options.device.number);
-  const PanelForecast forecast = forecast_panel(device, panel, {drive}, true, device.memory());
+  const PanelForecast forecast = forecast_panel(device, panel, {drive}, true, possible_room(device));
   return time_on_device(options, {"show", fmt::format("{}x{}, light stays there", slm.grid.nx, slm.grid.ny),
                                   double(forecast.use.bytes_moved), [&] { show_light(hologram, slm, params, state); }});
 }

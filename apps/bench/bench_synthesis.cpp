@@ -1,4 +1,4 @@
-// The steps of holotrace bench that sum waves: exact, each kernel of tiled, planes, auto.
+// The steps of holotrace bench that sum waves (exact, each kernel of tiled, planes, auto), slices and triangles.
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -237,7 +237,7 @@ std::vector<BenchStep> auto_steps(const BenchOptions& options) {
   return steps;
 }
 
-// The steps of holotrace bench that make fields of slices and of triangles.
+// --- slices and triangles ---
 
 namespace {
 

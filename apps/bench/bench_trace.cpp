@@ -1,4 +1,4 @@
-// The step of holotrace bench that traces paths, compared with the same rays followed by Embree alone.
+// The steps of holotrace bench that trace paths, compared with the same rays followed by Embree alone, and that render.
 
 #include <fmt/format.h>
 
@@ -167,11 +167,9 @@ std::vector<BenchStep> trace_steps(const BenchOptions&) {
   return {{"trace", [] { return bench_trace(); }}};
 }
 
-// The steps of holotrace bench that render: how long a picture takes, and how long it would take to a given noise.
+// --- render: how long a picture takes, and how long it would take to a given noise ---
 
 namespace {
-
-using namespace literals;
 
 constexpr double compared_noise = 0.01;  // of pictures in whose time two path tracers can be compared
 

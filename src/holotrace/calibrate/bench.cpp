@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "holotrace/base/complex_arrays.h"
-#include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/calibrate/patterns.h"
 #include "holotrace/data/params/show.h"

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "holotrace/base/error.h"
-
 namespace holotrace {
 namespace {
 

@@ -139,8 +139,6 @@ Json describe_run(const std::string& folder) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string size_text(int nx, int ny) { return fmt::format("{}x{}", nx, ny); }
 
 // Adds the name and frame of an item that is one of several.

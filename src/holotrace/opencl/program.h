@@ -18,8 +18,6 @@ struct DeviceHandles {
 /// Those of a device of list_devices.
 DeviceHandles handles_of(int number);
 
-// Only files of this room include this header.
-
 /// The kernels of one device, each compiled when it is first asked for. Compiled programs are kept between runs of the
 /// program by set_program_store (device.h).
 class Programs {

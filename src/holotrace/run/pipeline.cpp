@@ -18,7 +18,6 @@
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/run/viewing.h"
-#include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/view/camera.h"

@@ -5,7 +5,6 @@
 #include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/image.h"
-#include "holotrace/wave/propagate/propagate.h"
 
 namespace holotrace {
 

@@ -15,7 +15,6 @@
 #include "holotrace/io/panel_hologram_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
-#include "holotrace/io/scene/slm_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/scene_light.h"
 #include "holotrace/run/viewing.h"

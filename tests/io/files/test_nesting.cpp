@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "holotrace/io/files/text.h"
 #include "support/temporary.h"
 

@@ -170,7 +170,9 @@ TEST_P(DevicePanels, LeaveTheSameLightInBands) {
       panel.leave({level, is_complex ? &moduli : nullptr}, u, memory);
       device_.read(u, expected.samples.values.data(), u.bytes());
     }
-    for (const int parts : {1, 2, 5}) {
+    std::vector<int> cuts{1, 2, 5};
+    if (one.name == "all" && one.subpixels == 1) cuts.push_back(std::max(expected.grid.nx, expected.grid.ny));
+    for (const int parts : cuts) {
       int columns_done = 0, bands = 0;
       each_band_of_light(device_, host, {drive, is_complex ? &modulus : nullptr}, parts,
                          [&](const SampleColumns& columns, const DeviceBuffer& u) {
@@ -183,7 +185,7 @@ TEST_P(DevicePanels, LeaveTheSameLightInBands) {
                            return true;
                          });
       EXPECT_EQ(columns_done, found.grid.nx);
-      EXPECT_EQ(bands, parts);
+      EXPECT_EQ(bands, std::min(parts, expected.grid.nx));
       EXPECT_EQ(found.samples.values, expected.samples.values) << one.name << one.subpixels << " " << parts;
     }
   }

@@ -124,7 +124,8 @@ TEST_P(ShowDevices, ShowInBandsWhatDoesNotFit) {
                            test_wavelength, one.state);
     const Array2D<float> drive(one.slm.grid.ny, one.slm.grid.nx);
     const PanelModel::Pattern pattern{drive, one.slm.modulation == Modulation::complex ? &drive : nullptr};
-    const double enough = double(forecast_panel(device_, panel, pattern, false, 1e9).use.most_held);
+    // Of the memory, nine tenths are taken.
+    const double enough = std::ceil(double(forecast_panel(device_, panel, pattern, false, 1e9).use.most_held) / 0.9);
     EXPECT_EQ(forecast_panel(device_, panel, pattern, false, enough).parts, 1);
     EXPECT_EQ(forecast_panel(device_, panel, pattern, false, enough - 1).parts, 2);
     const Field expected = shown(one, on_device(one.params));
@@ -148,7 +149,7 @@ TEST_P(ShowDevices, DoWhatIsForecast) {
                            test_wavelength, one.state);
     const Array2D<float> drive(one.slm.grid.ny, one.slm.grid.nx);
     const PanelModel::Pattern pattern{drive, one.slm.modulation == Modulation::complex ? &drive : nullptr};
-    const double whole = double(forecast_panel(device_, panel, pattern, false, 1e9).use.most_held);
+    const double whole = std::ceil(double(forecast_panel(device_, panel, pattern, true, 1e9).use.most_held) / 0.9);
     int most_parts = 0;
     for (const bool may_stay : {false, true})
       for (const double part : {1.0, 0.5, 0.2}) {
@@ -163,19 +164,18 @@ TEST_P(ShowDevices, DoWhatIsForecast) {
         if (may_stay) {
           const PanelField field = *panel_field_on_device(panel, pattern, choice);
           EXPECT_EQ(std::holds_alternative<DeviceField>(field.field), expected.stays);
-          EXPECT_EQ(device_.use().bytes_in - before.bytes_in, expected.use.bytes_in);
         } else {
           panel_field_by_device(panel, pattern, choice);
-          const DeviceUse after = device_.use();
-          EXPECT_EQ(after.kernels - before.kernels, expected.use.kernels);
-          EXPECT_EQ(after.bytes_moved - before.bytes_moved, expected.use.bytes_moved);
-          EXPECT_EQ(after.bytes_out - before.bytes_out, expected.use.bytes_out);
-          EXPECT_EQ(after.bytes_in - before.bytes_in, expected.use.bytes_in);
-          EXPECT_EQ(after.transfers - before.transfers, expected.use.transfers);
         }
+        const DeviceUse after = device_.use();
         device_.limit_memory(0);
+        EXPECT_EQ(after.kernels - before.kernels, expected.use.kernels);
+        EXPECT_EQ(after.bytes_moved - before.bytes_moved, expected.use.bytes_moved);
+        EXPECT_EQ(after.bytes_out - before.bytes_out, expected.use.bytes_out);
+        EXPECT_EQ(after.bytes_in - before.bytes_in, expected.use.bytes_in);
+        EXPECT_EQ(after.transfers - before.transfers, expected.use.transfers);
       }
-    EXPECT_GE(most_parts, 4);
+    EXPECT_GE(most_parts, 5);
   }
 }
 

@@ -225,8 +225,6 @@ std::string gltf_image(const GltfFile& gltf, int image, std::string& label) {
 
 namespace {
 
-using Json = nlohmann::json;
-
 // Values of "componentType" in the standard.
 enum Component : int { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
 

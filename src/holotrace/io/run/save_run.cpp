@@ -16,7 +16,6 @@
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/encode_job.h"
 #include "holotrace/view/camera.h"
-#include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
 
 namespace holotrace {

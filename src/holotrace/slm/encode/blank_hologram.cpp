@@ -12,7 +12,6 @@
 #include "holotrace/data/params/parameter.h"
 #include "holotrace/slm/encode/low_pass.h"
 #include "holotrace/slm/encode/off_axis.h"
-#include "holotrace/slm/encode/target.h"
 #include "holotrace/slm/panel/checks.h"
 
 namespace holotrace {

@@ -20,9 +20,6 @@
 namespace holotrace {
 namespace {
 
-// Waiting for a transfer and the kernels before it, on slow drivers [s].
-constexpr double seconds_of_transfer = 3e-4;
-
 double bytes_of(const Field& head) { return double(head.grid.pixels()) * sizeof(std::complex<float>); }
 
 // Levels that are found on a device, or on one that only counts; none if a sample is not finite.
@@ -124,11 +121,8 @@ Device* fastest_to_encode(const PlacedField& field, const Hologram& blank, const
     const EncodeForecast forecast =
         forecast_encoding(device, field.head(), blank, levels, params, room_for(device, field));
     if (!forecast.fits) return std::numeric_limits<double>::infinity();
-    const DeviceUse& use = forecast.use;
-    const DeviceRates rates = device_rates(device);
     const double way = forecast.parts == 1 ? field.seconds_to(device) : field.seconds_to_processor();
-    return way + double(use.bytes_moved) / rates.moved_bytes + double(use.bytes_in + use.bytes_out) / rates.bytes +
-           double(use.transfers) * seconds_of_transfer;
+    return way + predict_seconds(forecast.use, device_rates(device));
   });
 }
 

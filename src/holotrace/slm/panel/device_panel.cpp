@@ -117,19 +117,6 @@ void DevicePanel::make_memory(Memory& memory, bool has_slopes) {
   if (n > 1 || has_slopes) make(memory.spread, 2 * n * n * pixels);
 }
 
-double DevicePanel::bytes_of_memory(const Device& device, const PanelModel& model) {
-  Device counter(device.info(), device.memory());
-  DevicePanel panel(counter, model);
-  const Sizes& sizes = panel.sizes();
-  const DeviceBuffer levels = counter.make_buffer(sizes.pixels() * sizeof(float), "a panel"),
-                     u = counter.make_buffer(size_t(model.head().grid.pixels()) * sizeof(Complex), "a panel");
-  const size_t before = counter.use().bytes_held;
-  Memory memory;
-  panel.leave({levels, &levels}, u, memory);
-  panel.add_slopes({levels, &levels}, u, {levels, &levels}, memory);
-  return double(counter.use().bytes_held - before);
-}
-
 DevicePanel::Response DevicePanel::response(const DevicePattern& pattern) const {
   return {.nx = sizes_.nx,
           .knots = knots_count_,

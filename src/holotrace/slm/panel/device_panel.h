@@ -67,9 +67,6 @@ class DevicePanel {
   /// @throws Error  as Device does
   DevicePanel(Device& device, const PanelModel& model, PanelMaps maps = PanelMaps::whole);
 
-  /// Memory that both calls keep on a device, without that of patterns and fields [bytes]; counted (opencl/device.h).
-  static double bytes_of_memory(const Device& device, const PanelModel& model);
-
   /// Writes the field that leaves the panel to `u`, shape (n·ny, n·nx).
   void leave(const DevicePattern& pattern, const DeviceBuffer& u, Memory& memory);
 

@@ -152,9 +152,6 @@ DeviceField field_there(Device& device, const PanelModel& panel, const PanelMode
   return std::move(there.field());
 }
 
-// Starts of the kernels and waiting for them, on slow drivers [s].
-constexpr double seconds_to_start = 1e-3;
-
 // What compute(device, forecast) returns on the device of a choice, under its lock.
 template <class Compute>
 auto compute_where_chosen(const PanelModel& panel, const PanelModel::Pattern& pattern, const DeviceChoice& choice,
@@ -165,9 +162,7 @@ auto compute_where_chosen(const PanelModel& panel, const PanelModel::Pattern& pa
     return fastest_device(predict_seconds(panel.work(), summation_rates(), threads), [&](Device& there) {
       const PanelForecast forecast = forecast_panel(there, panel, pattern, may_stay, possible_room(there));
       if (!forecast.fits) return std::numeric_limits<double>::infinity();
-      const DeviceRates rates = device_rates(there);
-      return double(forecast.use.bytes_moved) / rates.moved_bytes +
-             double(forecast.use.bytes_in + forecast.use.bytes_out) / rates.bytes + seconds_to_start;
+      return predict_seconds(forecast.use, device_rates(there));
     });
   };
   return on_chosen_device(choice, observer, fastest, [&](Device& device) {
@@ -197,20 +192,23 @@ void each_band_of_light(Device& device, const PanelModel& panel, const PanelMode
   for (int first = 0; first < width; first += there.columns_at_once()) {
     const SampleColumns columns{first, std::min(there.columns_at_once(), width - first)};
     DeviceBuffer u = there.light(pattern, columns);
-    if (!take(columns, u)) return;
+    const bool goes_on = take(columns, u);
+    device.finish();  // before the light is released
+    if (!goes_on) return;
   }
 }
 
 PanelForecast forecast_panel(const Device& device, const PanelModel& panel, const PanelModel::Pattern& pattern,
                              bool may_stay, double memory) {
+  constexpr double usable = 0.9;  // of the memory: the rest is work space for long lines, which take what they get
   const Grid samples = panel.head().grid;
   PanelForecast forecast;
-  for (;; forecast.parts *= 2) {
+  for (;; forecast.parts += (forecast.parts + 1) / 2) {
     forecast.stays = may_stay && (forecast.parts == 1 || 2 * field_bytes(panel) <= memory);
     Device counter(device.info(), memory);
     const auto fits = [&] {
       forecast.use = counter.use();
-      return double(forecast.use.most_held) <= memory &&
+      return double(forecast.use.most_held) <= usable * memory &&
              double(forecast.use.largest_buffer) <= device.info().largest_buffer;
     };
     {
@@ -223,9 +221,12 @@ PanelForecast forecast_panel(const Device& device, const PanelModel& panel, cons
           counter.read(u, nullptr, u.bytes());
         return fits();
       });
+      if (there && fits()) power(there->field());
     }
     forecast.fits = fits();
-    if (forecast.fits || forecast.parts >= std::max(samples.nx, samples.ny)) return forecast;
+    if (forecast.fits) return forecast;
+    if (forecast.parts < std::max(samples.nx, samples.ny)) continue;
+    return forecast.stays ? forecast_panel(device, panel, pattern, false, memory) : forecast;
   }
 }
 

@@ -1,4 +1,4 @@
-// The light that leaves a panel.
+// The light that leaves a panel, and gradients by its drive from those by this light.
 
 #include <algorithm>
 
@@ -140,11 +140,7 @@ void PanelModel::Parts::illuminate_samples(Array2D<Complex>& field) const {
   });
 }
 
-// Gradients by the drive of a panel, from gradients by the light that leaves it.
-
 namespace {
-
-using Complex = std::complex<float>;
 
 Complex product_conjugate(Complex a, Complex b) {  // a·conj(b)
   return {a.real() * b.real() + a.imag() * b.imag(), a.imag() * b.real() - a.real() * b.imag()};

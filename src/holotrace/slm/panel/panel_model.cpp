@@ -70,7 +70,7 @@ double PanelModel::power_in() const {
   return parts.params.irradiance * mean * grid.width() * grid.height();
 }
 
-// The blur of crosstalk does not count.
+// The blur of crosstalk does not count: its values stay in the cache.
 SummationWork PanelModel::work() const {
   const Parts& p = *parts_;
   const double n = p.params.subpixels, nx = p.nx(), ny = p.ny(), pixels = nx * ny;

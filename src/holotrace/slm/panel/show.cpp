@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/panel/checks.h"

@@ -74,7 +74,7 @@ auto mean_over_visible_normals(Vec3 outgoing, double alpha, const Function& f) {
   return sum;
 }
 
-/// Directional albedos of the GGX reflection lobe (microfacet.h), against √cosθ_o (columns) and roughness √α (rows).
+/// Directional albedos of the GGX reflection lobe, against √cosθ_o (columns) and roughness √α (rows).
 struct MicrofacetAlbedoTable {
   static constexpr int size = 32;
   struct Entry {

@@ -151,8 +151,6 @@ const Complex* transform_strip(int node, const PlanesTables& t, PlanesWorkspace&
 
 namespace {
 
-using Complex = std::complex<float>;
-
 // The nodes of a slab: their curvatures [cycles/m²] and plane_chirp of each.
 struct SlabNodes {
   std::vector<double> curvatures;

@@ -122,8 +122,6 @@ void DevicePropagator::transform_to_window(const Ends& ends, const Work& work, c
 
 namespace {
 
-using Complex = std::complex<float>;
-
 constexpr double sample_bytes = sizeof(Complex);  // of a field on a device
 
 // Columns of each part of the spectrum.

@@ -78,7 +78,8 @@ void put(const DeviceBuffer& from, const PixelBox& box, DeviceField& to) {
   const auto lock = to.device->lock();
   const int columns = box.x1 - box.x0;
   to.device->run(kernel_of_fields("put_box"), items_of_rows(columns, box.y1 - box.y0),
-                 {from, int32_t(columns), int32_t(to.head.grid.nx), int32_t(box.x0), int32_t(box.y0), to.samples});
+                 {from, int32_t(columns), int32_t(to.head.grid.nx), int32_t(box.x0), int32_t(box.y0),
+                  KernelArgument::moving(to.samples, from.bytes())});
 }
 
 double energy(const DeviceField& field, const PixelBox& box) {

@@ -54,6 +54,12 @@ std::vector<DeviceInfo> devices_here() {
 
 }  // namespace
 
+double predict_seconds(const DeviceUse& use, const DeviceRates& rates) {
+  constexpr double seconds_to_wait = 3e-4;  // for a transfer and the kernels before it, on slow drivers
+  return double(use.bytes_moved) / rates.moved_bytes + double(use.bytes_in + use.bytes_out) / rates.bytes +
+         double(use.transfers) * seconds_to_wait;
+}
+
 Device* fastest_device(double on_processor, const std::function<double(Device& device)>& on_device) {
   double least = on_processor;
   Device* fastest = nullptr;

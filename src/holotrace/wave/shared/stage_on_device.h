@@ -23,9 +23,11 @@ void set_device_rates(std::function<DeviceRates(Device& device)> measure);
 /// The rates of a device; kept while the program runs.
 DeviceRates device_rates(Device& device);
 
-class Device;
-
 inline constexpr double seconds_to_open_device = 0.3;
+
+/// Seconds that a device is expected to take for what was counted: what kernels read and write, what is transferred, and waiting
+/// for each transfer.
+double predict_seconds(const DeviceUse& use, const DeviceRates& rates);
 
 /// The device that is expected to do some work in the least time; none: the processor does.
 ///

@@ -82,7 +82,9 @@ bool is_held_line(const Device& device, int length) {
 
 namespace {
 
+// On a device that only counts memory may be used up; then their number does not matter.
 int lines_at_once(const Device& device, int length, int lines) {
+  if (device.memory_left() <= 0) return std::max(lines, 1);
   const double work = std::min(most_work, device.memory_left() / 2);
   return std::clamp(int(work / 2 / (double(length) * sizeof(Complex))), 1, std::max(lines, 1));
 }
@@ -111,9 +113,10 @@ LineJob job_of(const LineTransform& t) {
 const DeviceBuffer& LineTransforms::twiddles(int length) {
   const auto known = twiddles_.find(length);
   if (known != twiddles_.end()) return known->second;
-  std::vector<Complex> values(static_cast<size_t>(length));
-  for (int k = 0; k < length; ++k) values[size_t(k)] = Complex(cis_cycles(double(k) / length));
-  return twiddles_.emplace(length, device_.upload(values, "the factors of a transform")).first->second;
+  DeviceBuffer factors = device_.upload<Complex>(size_t(length), "the factors of a transform", [&](Complex* to) {
+    for (int k = 0; k < length; ++k) to[k] = Complex(cis_cycles(double(k) / length));
+  });
+  return twiddles_.emplace(length, std::move(factors)).first->second;
 }
 
 void LineTransforms::run(const LineTransform& t, int lines, const DeviceBuffer& from, const DeviceBuffer& to) {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"

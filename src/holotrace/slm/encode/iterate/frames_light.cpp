@@ -16,6 +16,7 @@ FramesLight::FramesLight(FramesOnDevice& share, const PanelInLight& panel, size_
       memory_(share.memory()),
       lit_(panel),
       panel_(device_, panel.panel),
+      bytes_of_panel_(DeviceDrivenPanel::bytes_kept(device_, panel.panel)),
       frames_(frames),
       is_first_(is_first) {}
 
@@ -43,7 +44,7 @@ LightBytes FramesLight::bytes_needed() const {
       of_samples * std::max(0.0, all - kept * double(share_.frames())) + of_means * (planes + 1) + of_samples;
   if (has_means(SampleGroup::all)) bytes.beside += of_means * double(memory_.power.size());
   if (share_.frames() < frames_) bytes.beside += of_means;
-  bytes.beside += panel_.bytes_of_memory();
+  bytes.beside += bytes_of_panel_;
   // Factors of the transforms, which come when these first run: of lines twice as long as the window's.
   const double lines = 2.0 * params.subpixels * (pixels().nx + pixels().ny);
   bytes.beside += double(sizeof(std::complex<float>)) * lines * double(ways_.size());

@@ -147,6 +147,7 @@ class FramesLight {
   DeviceLightMemory& memory_;
   PanelInLight lit_;
   DeviceDrivenPanel panel_;
+  double bytes_of_panel_;
   size_t frames_;
   bool is_first_;
   std::vector<Way> ways_;

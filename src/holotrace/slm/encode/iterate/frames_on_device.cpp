@@ -27,12 +27,27 @@ DeviceDrivenPanel::DeviceDrivenPanel(Device& device, const DrivenPanel& panel) :
   mean_.emplace(device, *panel.model(PixelDetail::mean));
 }
 
-double DeviceDrivenPanel::bytes_of_memory() const {
-  double bytes = 0;
-  for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse, PixelDetail::mean})
-    if (const PanelModel* model = panel_.model(detail))
-      bytes = std::max(bytes, DevicePanel::bytes_of_memory(device_, *model));
-  return bytes;
+double DeviceDrivenPanel::bytes_kept(const Device& device, const DrivenPanel& panel) {
+  const PanelModel* const shown = panel.model(PixelDetail::as_shown);
+  if (!shown) return 0;
+  Device counter(device.info(), device.memory());
+  DeviceDrivenPanel counted(counter, panel);
+  const auto floats = [&](double count) { return counter.make_buffer(size_t(count) * sizeof(float), "a panel"); };
+  const Field head = shown->head();
+  const double samples = double(head.grid.pixels());  // at least as many as pixels
+  DeviceFrame frame;
+  for (DeviceDrive* values : {&frame.level, &frame.modulus}) {
+    values->rounded = floats(samples);
+    values->slope = floats(samples);
+  }
+  const DeviceBuffer u = floats(2 * samples);
+  const size_t before = counter.use().bytes_held;
+  DevicePanel::Memory memory;
+  for (const PixelDetail detail : {PixelDetail::as_shown, PixelDetail::coarse, PixelDetail::mean}) {
+    counted.leave(frame, {.light = detail, .slopes = detail}, {u, memory});
+    counted.add_slope(frame, {.light = detail, .slopes = detail}, u, {u, memory}, 1);
+  }
+  return double(counter.use().bytes_held - before);
 }
 
 DevicePanel* DeviceDrivenPanel::model(PixelDetail detail) {

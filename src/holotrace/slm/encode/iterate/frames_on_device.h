@@ -32,8 +32,8 @@ class DeviceDrivenPanel {
   /// @param panel  must outlive this object
   DeviceDrivenPanel(Device& device, const DrivenPanel& panel);
 
-  /// Memory of a call, for the most detailed light [bytes].
-  double bytes_of_memory() const;
+  /// Memory on a device that the calls below keep for each detail [bytes]: they are run on one that only counts.
+  static double bytes_kept(const Device& device, const DrivenPanel& panel);
 
   /// Writes the light that leaves the panel, for the frame's rounded levels.
   void leave(const DeviceFrame& frame, const PanelDetail& detail, const DevicePanelLight& u);

@@ -218,7 +218,7 @@ std::string frame_message(Hologram frame) {
   return to_message(frame);
 }
 
-// The part of the processes other than process 0 in a descent whose frames they share.
+// --- the processes other than process 0 ---
 
 namespace {
 
