@@ -56,6 +56,16 @@ TEST_F(AutomaticDevice, IsTheFasterOne) {
   EXPECT_EQ(chosen(), DeviceKind::cpu);
 }
 
+// 2 s for what kernels move, 3 s for what is transferred, and 0.3 ms for each of 4 transfers.
+TEST(DeviceSeconds, AreThoseOfKernelsTransfersAndWaiting) {
+  DeviceUse use;
+  use.bytes_moved = 2'000'000;
+  use.bytes_in = 1000;
+  use.bytes_out = 2000;
+  use.transfers = 4;
+  EXPECT_DOUBLE_EQ(predict_seconds(use, DeviceRates{0, 1e3, 1e6}), 2 + 3 + 4 * 3e-4);
+}
+
 TEST_F(AutomaticDevice, CountsTransfers) {
   slow_down_the_processor();
   give_devices({1e12, 1e4});  // 8 bytes a sample take 39 s

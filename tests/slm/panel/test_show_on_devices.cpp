@@ -194,6 +194,45 @@ TEST_P(ShowDevices, CountMemoryAndWhatKernelsReadAndWrite) {
   EXPECT_EQ(use.bytes_out, 8 * pixels);
 }
 
+// With crosstalk at 4 × 4 points, expanded in 3 terms along each axis (6 pairs). For each pixel: response 8 bytes; for each row of points
+// the blur along columns 8, its result 4, and 6 terms of 8 that are written, or from the second row on read and written; for each pair its
+// copy 16, and a transform 16, or 24 if it adds; for each term along y a transposition 16, and a transform, as before; a transposition
+// 16. Taps of the blur and factors of transforms come to less than 12 bytes.
+TEST_P(ShowDevices, CountWhatKernelsOfCrosstalkReadAndWrite) {
+  one_.slm.grid = {48, 40, test_pitch};
+  one_.slm.effects.crosstalk = 0.3;
+  ShowParams params;
+  params.fine_samples = 4;
+  const PanelModel panel(one_.slm, params, Modulation::phase, 200, 0, one_.state);
+  const Array2D<float> drive(one_.slm.grid.ny, one_.slm.grid.nx);
+  const double of_pixel = 8 + 4 * 12 + 6 * 8 * 7 + 6 * 16 + (3 * 16 + 3 * 24) + 3 * 16 + (16 + 2 * 24) + 16;
+  const double pixels = 48 * 40;
+  EXPECT_NEAR(double(forecast_panel(device_, panel, {drive}, false, 1e9).use.bytes_moved), of_pixel * pixels,
+              12 * pixels);
+}
+
+// A field that stays is copied together from bands, 8 + 8 bytes for each sample, and its power is the sum of sums of rows: 8 bytes for
+// each sample, and 4 for each row, which come back in place of the field.
+TEST_P(ShowDevices, CountTheFieldThatStays) {
+  const PanelModel panel(one_.slm, {}, Modulation::phase, 200, 0, one_.state);
+  const Array2D<float> drive(one_.slm.grid.ny, one_.slm.grid.nx);
+  DeviceInfo info = device_.info();
+  const size_t samples = size_t(one_.slm.grid.pixels()), rows = size_t(one_.slm.grid.ny);
+  const auto forecast = [&](bool may_stay, double largest) {
+    info.largest_buffer = largest;
+    return forecast_panel(Device(info, 1e9), panel, {drive}, may_stay, 1e9);
+  };
+  const PanelForecast stays = forecast(true, double(8 * samples)), returns = forecast(false, double(8 * samples));
+  EXPECT_EQ(stays.parts, 1);
+  EXPECT_EQ(stays.use.bytes_moved - returns.use.bytes_moved, 8 * samples + 4 * rows);
+  EXPECT_EQ(stays.use.bytes_out, 4 * rows);
+  // The field itself is the largest buffer: it cannot be larger than the device allows, and comes back.
+  const PanelForecast parts = forecast(true, double(8 * samples - 1));
+  EXPECT_EQ(parts.parts, 2);
+  EXPECT_FALSE(parts.stays);
+  EXPECT_TRUE(parts.fits);
+}
+
 // A field that does not fit beside its bands comes back.
 TEST_P(ShowDevices, LetTheFieldStayIfItFits) {
   one_.params.subpixels = 2;

@@ -89,6 +89,15 @@ TEST(SampleRows, HaveAnItemForEverySample) {
 }
 
 // Rows that do not fill the last group, each sample once.
+// 8 bytes for each sample of the box are read, and as many written.
+TEST_P(DeviceFields, CountTheSamplesThatArePut) {
+  Device counter(device_.info(), 1e9);
+  DeviceField field = make_device_field(counter, Field({50, 40, 8e-6}, 532e-9));
+  const DeviceBuffer box = counter.make_buffer(8 * 10 * 6, "a test");
+  put(box, {3, 13, 7, 13}, field);
+  EXPECT_EQ(counter.use().bytes_moved, 2u * 8 * 10 * 6);
+}
+
 TEST_P(DeviceFields, AreClearedAndSquaredSampleBySample) {
   for (const Grid& grid : {Grid{67, 5, 8e-6}, {1, 130, 8e-6}, {128, 1, 8e-6}}) {
     Field field(grid, 532e-9);

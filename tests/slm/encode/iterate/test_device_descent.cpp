@@ -38,6 +38,31 @@ TEST_P(DeviceDescents, HaveTheSumsAndSlopesOfTheProcessor) {
     }
 }
 
+// With crosstalk there are three panels, which share the arrays of a call; each has its own factors of transforms.
+TEST_P(DeviceDescents, KeepTheMemoryOfAPanelThatIsCounted) {
+  const auto lock = device_.lock();
+  for (const bool has_crosstalk : {false, true}) {
+    Slm slm = make_panel(48, 36, 200, 0.9);
+    slm.effects.crosstalk = has_crosstalk ? 0.3 : 0;
+    const Hologram hologram = make_hologram(slm, Modulation::phase, [](int) { return 0; });
+    const DrivenPanel panel(slm, hologram, test_wavelength, 3);
+    DeviceDrivenPanel there(device_, panel);
+    const size_t samples = 9 * size_t(slm.grid.pixels());
+    DeviceFrame frame;
+    frame.level.rounded = device_.make_buffer(samples * 4, "a test");
+    frame.level.slope = device_.make_buffer(samples * 4, "a test");
+    const DeviceBuffer u = device_.make_buffer(samples * 8, "a test");
+    const size_t before = device_.use().bytes_held;
+    DevicePanel::Memory memory;
+    for (const PixelDetail detail : {PixelDetail::mean, PixelDetail::coarse, PixelDetail::as_shown}) {
+      there.leave(frame, {.light = detail, .slopes = detail}, {u, memory});
+      there.add_slope(frame, {.light = detail, .slopes = detail}, u, {u, memory}, 1);
+    }
+    EXPECT_EQ(double(device_.use().bytes_held - before), DeviceDrivenPanel::bytes_kept(device_, panel));
+    EXPECT_GE(DeviceDrivenPanel::bytes_kept(device_, panel), 8.0 * double(samples) * 2) << "light along both axes";
+  }
+}
+
 // Adam scales up slopes near 0, whose rounding differs, so levels part from the processor's. The loss does not.
 TEST_P(DeviceDescents, ReachTheLossOfTheProcessor) {
   for (DescentCase one : descent_cases())
