@@ -117,8 +117,9 @@ constexpr double view_weight = 0.5;
 
 }  // namespace
 
-Colours colours_of(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram, FrameArrays& frames) {
-  Colours colours;
+WavelengthDescents wavelength_descents(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram,
+                                       FrameArrays& frames) {
+  WavelengthDescents colours;
   for (const double wavelength : wavelengths_of(targets)) {
     colours.push_back(std::make_unique<WavelengthDescent>(setup.slm, hologram, wavelength, setup.params, frames));
     for (const TargetPlane& plane : targets.planes)
@@ -138,19 +139,19 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
       levels_(frames.front().levels),
       arrays_of_state_(arrays_of_state(frames)),
       arrays_(std::move(arrays)),
-      colours_(colours_of(targets, setup, frames.front(), *arrays_)),
+      wavelengths_(wavelength_descents(targets, setup, frames.front(), *arrays_)),
       last_update_(iterations_) {
-  for (const auto& colour : colours_) {
+  for (const auto& colour : wavelengths_) {
     lit_wavelengths_ += colour->power() > 0;
     plane_schedules_.emplace_back(colour->turns(), params_.planes_per_update, uint64_t(params_.seed));
   }
   // The error in a single plane falls so low that the one sample which stands for a pixel would limit it.
-  const bool is_one_enough = std::all_of(colours_.begin(), colours_.end(), [](const auto& colour) {
+  const bool is_one_enough = std::all_of(wavelengths_.begin(), wavelengths_.end(), [](const auto& colour) {
     return colour->has_smooth_targets() && colour->targets().size() != 1;
   });
   has_single_samples_ = samples_of(samples_of_update(params_.subpixels, 0, is_one_enough), 4).size() == 1;
-  const DrivenPanel& panel = colours_.front()->panel();
-  levels_per_cycle_ = colours_.size() == 1 ? float(panel.levels_per_cycle()) : 0;
+  const DrivenPanel& panel = wavelengths_.front()->panel();
+  levels_per_cycle_ = wavelengths_.size() == 1 ? float(panel.levels_per_cycle()) : 0;
   const double step = params_.step > 0 ? params_.step : sgd_step;
   level_step_ = step * panel.levels_per_radian();
   modulus_step_ = step * (levels_ - 1);
@@ -165,7 +166,7 @@ int FrameDescent::updates_per_round() const {
 
 void FrameDescent::judge() {
   arrays_->end_steps();
-  for (const auto& colour : colours_) colour->judge();
+  for (const auto& colour : wavelengths_) colour->judge();
 }
 
 // Each colour is weighted by its own light, so that dim colours count as much as bright ones; dark ones do not count.
@@ -175,14 +176,14 @@ double FrameDescent::loss_weight(const WavelengthDescent& colour) const {
 
 double FrameDescent::loss() const {
   double sum = 0;
-  for (const auto& colour : colours_) sum += colour->error() * loss_weight(*colour);
+  for (const auto& colour : wavelengths_) sum += colour->error() * loss_weight(*colour);
   return sum;
 }
 
 void FrameDescent::update() {
   arrays_->clear_slopes();
-  for (size_t c = 0; c < colours_.size(); ++c) {
-    WavelengthDescent& colour = *colours_[c];
+  for (size_t c = 0; c < wavelengths_.size(); ++c) {
+    WavelengthDescent& colour = *wavelengths_[c];
     if (colour.power() == 0) continue;
     colour.leave(detail(updates()));
     const std::vector<size_t> planes = plane_schedules_[c].take();
@@ -222,7 +223,7 @@ bool FrameDescent::is_late(int updates) const { return progress(updates) >= 0.75
 
 // Whether losses from `first` to `last` cannot be compared.
 bool FrameDescent::has_change(int first, int last) const {
-  const bool differs_late = has_single_samples_ || colours_.front()->panel().has_crosstalk();
+  const bool differs_late = has_single_samples_ || wavelengths_.front()->panel().has_crosstalk();
   return differs_late && is_late(first) != is_late(last);
 }
 
@@ -266,7 +267,7 @@ void FrameDescent::each_number(const Work& work) {
   for (double& loss : losses_) work(loss);
   work(last_update_);
   work(ending_from_);
-  for (const auto& colour : colours_) colour->each_number(work);
+  for (const auto& colour : wavelengths_) colour->each_number(work);
   for (PlaneSchedule& planes : plane_schedules_) planes.each_number(work);
 }
 

@@ -143,7 +143,7 @@ class PlaneSchedule {
   uint64_t seed_, round_ = 0;
 };
 
-using Colours = std::vector<std::unique_ptr<WavelengthDescent>>;
+using WavelengthDescents = std::vector<std::unique_ptr<WavelengthDescent>>;
 
 /// A panel and what is asked of its levels.
 struct DescentSetup {
@@ -152,7 +152,8 @@ struct DescentSetup {
 };
 
 /// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
-Colours colours_of(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram, FrameArrays& frames);
+WavelengthDescents wavelength_descents(const TargetSet& targets, const DescentSetup& setup, const Hologram& hologram,
+                                       FrameArrays& frames);
 
 /// Frames that are found together by the updates of gradient_descent.h, one after the other. All that one update leaves
 /// to the next is in state(): restored in another object of the same job, the updates that follow are the same.
@@ -180,7 +181,7 @@ class FrameDescent {
   /// The loss of the levels of now.
   double loss() const;
 
-  const Colours& colours() const { return colours_; }
+  const WavelengthDescents& wavelengths() const { return wavelengths_; }
 
   /// Writes the rounded levels.
   void write(std::vector<Hologram>& frames) const { arrays_->write(frames); }
@@ -209,7 +210,7 @@ class FrameDescent {
   const int iterations_, levels_;
   const size_t arrays_of_state_;
   std::unique_ptr<FrameArrays> arrays_;
-  Colours colours_;
+  WavelengthDescents wavelengths_;
   std::vector<PlaneSchedule> plane_schedules_;  // of each colour
   double lit_wavelengths_ = 0;                  // number of them that have light
   float levels_per_cycle_ = 0;                  // levels of 2π of phase; 0: drives do not wrap

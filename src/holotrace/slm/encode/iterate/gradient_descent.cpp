@@ -26,7 +26,7 @@ namespace {
 double decibels(double loss) { return 10 * std::log10(std::max(loss, 1e-30)); }
 
 // PSNR over all colours that have light, each relative to its own peak.
-double psnr(const Colours& colours) {
+double psnr(const WavelengthDescents& colours) {
   double error = 0, weight = 0;
   for (const auto& colour : colours) {
     if (colour->peak() == 0) continue;
@@ -42,7 +42,7 @@ void set_illumination(const WavelengthDescent& colour, bool is_joint, Hologram& 
   if (is_joint) frame.colours.push_back({colour.wavelength(), illumination});
 }
 
-void tell_quality(const Colours& colours, const Observer& observer, std::vector<Hologram>& frames) {
+void tell_quality(const WavelengthDescents& colours, const Observer& observer, std::vector<Hologram>& frames) {
   double light = 0;
   for (Hologram& frame : frames) frame.colours.clear();
   for (const auto& colour : colours) {
@@ -116,9 +116,9 @@ std::unique_ptr<FrameArrays> arrays_on(const IterationDevices& place, const Desc
 void judge_on(const IterationDevices& place, const TargetSet& targets, const DescentSetup& setup,
               const Observer& observer, std::vector<Hologram>& frames) {
   std::unique_ptr<FrameArrays> arrays;
-  const Colours colours = place.compute([&] {
+  const WavelengthDescents colours = place.compute([&] {
     arrays = arrays_on(place, setup, frames);
-    Colours judged = colours_of(targets, setup, frames.front(), *arrays);
+    WavelengthDescents judged = wavelength_descents(targets, setup, frames.front(), *arrays);
     for (const auto& colour : judged) colour->judge();
     return judged;
   });
@@ -169,7 +169,7 @@ void descend_on(const IterationDevices& place, const Processes& processes, const
   observer.fact("loss_first", Fact(convergence.front()));
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
-  tell_quality(descent.colours(), observer, frames);
+  tell_quality(descent.wavelengths(), observer, frames);
 }
 
 }  // namespace

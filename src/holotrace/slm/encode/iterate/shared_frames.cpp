@@ -149,7 +149,7 @@ void SharedFrames::order(const std::string& bytes) const {
 
 std::unique_ptr<WavelengthLight> SharedFrames::light_of(const DrivenPanel& panel, double wavelength) {
   order(to_message(FrameOrderMessage{.order = FrameOrder::light_of, .wavelength = wavelength}));
-  return std::make_unique<Light>(*this, colours_++, own_->light_of(panel, wavelength));
+  return std::make_unique<Light>(*this, wavelengths_++, own_->light_of(panel, wavelength));
 }
 
 void SharedFrames::clear_slopes() {

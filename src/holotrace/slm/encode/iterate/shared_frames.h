@@ -69,7 +69,7 @@ class SharedFrames : public FrameArrays {
   size_t arrays_of_frame_;
   std::unique_ptr<Exchange> exchange_;
   std::unique_ptr<FrameArrays> own_;
-  uint64_t colours_ = 0;
+  uint64_t wavelengths_ = 0;
 };
 
 /// The work of a process other than process 0: it finds its frames by the orders of one SharedFrames, until it ends.
