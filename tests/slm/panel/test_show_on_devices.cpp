@@ -274,10 +274,10 @@ TEST_P(ShowDevices, CountTheirBandsForAuto) {
   EXPECT_FALSE(uses_bus(6e4, 20e3));
 }
 
-TEST_P(ShowDevices, SayThatNotARowAndAColumnFit) {
+TEST_P(ShowDevices, SayThatNotEvenTheSmallestPartsFit) {
   device_.limit_memory((double(device_.use().bytes_held) + 1e3) / 0.8);
   const std::string error = error_of([&] { shown(one_, on_device(one_.params)); });
-  EXPECT_EQ(error.rfind("expected memory for a row and a column of a panel of 48 × 37 pixels on the device " +
+  EXPECT_EQ(error.rfind("expected memory for the smallest parts of a panel of 48 × 37 pixels on the device " +
                             device_.info().name + ", got ",
                         0),
             0u)

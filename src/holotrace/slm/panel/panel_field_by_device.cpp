@@ -175,7 +175,7 @@ auto compute_where_chosen(const PanelModel& panel, const PanelModel::Pattern& pa
     }
     require(
         forecast.fits,
-        "expected memory for a row and a column of a panel of {} × {} pixels on the device {}, got {} that are free; "
+        "expected memory for the smallest parts of a panel of {} × {} pixels on the device {}, got {} that are free; "
         "close other programs that use it, or use the device cpu",
         pattern.drive.nx, pattern.drive.ny, device.info().name, format_bytes(std::max(0.0, device.memory_left())));
     return compute(device, forecast);
@@ -200,7 +200,8 @@ void each_band_of_light(Device& device, const PanelModel& panel, const PanelMode
 
 PanelForecast forecast_panel(const Device& device, const PanelModel& panel, const PanelModel::Pattern& pattern,
                              bool may_stay, double memory) {
-  constexpr double usable = 0.9;  // of the memory: the rest is work space for long lines, which take what they get
+  constexpr int most_parts = 256;  // starting the kernels of more takes far longer than the processor does
+  constexpr double usable = 0.9;   // of the memory: the rest is work space for long lines, which take what they get
   const Grid samples = panel.head().grid;
   PanelForecast forecast;
   for (;; forecast.parts += (forecast.parts + 1) / 2) {
@@ -225,7 +226,7 @@ PanelForecast forecast_panel(const Device& device, const PanelModel& panel, cons
     }
     forecast.fits = fits();
     if (forecast.fits) return forecast;
-    if (forecast.parts < std::max(samples.nx, samples.ny)) continue;
+    if (forecast.parts < std::min(std::max(samples.nx, samples.ny), most_parts)) continue;
     return forecast.stays ? forecast_panel(device, panel, pattern, false, memory) : forecast;
   }
 }

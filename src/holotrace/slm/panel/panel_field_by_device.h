@@ -55,10 +55,11 @@ struct PanelForecast {
   int parts = 1;       ///< in which it must be done (each_band_of_light)
   bool stays = false;  ///< whether the field stays on the device
   DeviceUse use;       ///< of all parts, and of the field
-  bool fits = false;   ///< otherwise not even a single row and column do
+  bool fits = false;   ///< otherwise not even the smallest parts do
 };
 
-/// The panel is run on a device that only counts, in 1, 2, 3, 5, 8, … parts until they fit in nine tenths of the memory.
+/// The panel is run on a device that only counts, in 1, 2, 3, 5, 8, … parts, about 256 at most, until they fit in nine tenths of
+/// the memory.
 /// @param may_stay  whether the field stays on the device if it can (panel_field_on_device)
 PanelForecast forecast_panel(const Device& device, const PanelModel& panel, const PanelModel::Pattern& pattern,
                              bool may_stay, double memory);
