@@ -1,4 +1,6 @@
 // JSON: metadata and reports.
+#include <nlohmann/json.hpp>
+
 #include "../reader.h"
 #include "holotrace/base/message_text.h"
 #include "holotrace/io/files/text.h"
