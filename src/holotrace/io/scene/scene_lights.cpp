@@ -4,6 +4,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {

@@ -10,6 +10,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {

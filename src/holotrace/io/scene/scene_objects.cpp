@@ -12,6 +12,7 @@
 #include "holotrace/data/shapes.h"
 #include "holotrace/data/spectrum.h"
 #include "holotrace/io/mesh/point_file.h"
+#include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/toml_table.h"
 

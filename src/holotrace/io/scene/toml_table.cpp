@@ -23,7 +23,6 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/text.h"
-#include "holotrace/io/scene/scene_tables.h"
 
 namespace holotrace {
 namespace {
@@ -396,20 +395,6 @@ void TomlTable::refuse_unknown_keys() const {
                      ? fmt::format("unknown key \"{}\" in {}; it belongs {}", name, name_, fmt::join(tables, " or "))
                      : unknown_name_message("key", name, {known_.begin(), known_.end()})));
   }
-}
-
-Image read_image(TomlTable& table, const char* key, ImageContent content) {
-  if (const auto index = table.array_index(key)) {
-    const auto& images = table.arrays()->images;
-    require(*index < images.size(), "{}expected the index of one of {} images for \"{}\", got {}", table.where(key),
-            images.size(), key, *index);
-    return images[*index];
-  }
-  std::string name;
-  table.text(key, name);
-  Image image;
-  table.locate(key, [&] { image = load_image(table.beside(key, name), content); });
-  return image;
 }
 
 }  // namespace holotrace

@@ -12,11 +12,8 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/message_text.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/data/image.h"
 #include "holotrace/data/params/parameter.h"
-#include "holotrace/io/picture/image_file.h"
 
 namespace holotrace {
 
@@ -148,9 +145,5 @@ class TomlTable {
   std::shared_ptr<const SceneArrays> arrays_;  // nullptr for tables from files
   std::set<std::string> known_;
 };
-
-/// The image at `key`, which is there: the file of that name, or an image in memory (SceneArrays).
-/// @throws Error with the position of the key, as load_image does
-Image read_image(TomlTable& table, const char* key, ImageContent content = ImageContent::colour);
 
 }  // namespace holotrace

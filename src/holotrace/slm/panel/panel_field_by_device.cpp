@@ -200,8 +200,8 @@ void each_band_of_light(Device& device, const PanelModel& panel, const PanelMode
 
 PanelForecast forecast_panel(const Device& device, const PanelModel& panel, const PanelModel::Pattern& pattern,
                              bool may_stay, double memory) {
-  constexpr int most_parts = 256;  // starting the kernels of more takes far longer than the processor does
-  constexpr double usable = 0.9;   // of the memory: the rest is work space for long lines, which take what they get
+  constexpr int enough_parts = 256;  // starting the kernels of more takes far longer than the processor does
+  constexpr double usable = 0.9;     // of the memory: the rest is work space for long lines, which take what they get
   const Grid samples = panel.head().grid;
   PanelForecast forecast;
   for (;; forecast.parts += (forecast.parts + 1) / 2) {
@@ -226,7 +226,7 @@ PanelForecast forecast_panel(const Device& device, const PanelModel& panel, cons
     }
     forecast.fits = fits();
     if (forecast.fits) return forecast;
-    if (forecast.parts < std::min(std::max(samples.nx, samples.ny), most_parts)) continue;
+    if (forecast.parts < std::min(std::max(samples.nx, samples.ny), enough_parts)) continue;
     return forecast.stays ? forecast_panel(device, panel, pattern, false, memory) : forecast;
   }
 }

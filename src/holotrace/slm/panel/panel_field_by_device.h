@@ -58,8 +58,8 @@ struct PanelForecast {
   bool fits = false;   ///< otherwise not even the smallest parts do
 };
 
-/// The panel is run on a device that only counts, in 1, 2, 3, 5, 8, … parts, about 256 at most, until they fit in nine tenths of
-/// the memory.
+/// The panel is run on a device that only counts, in 1, 2, 3, 5, 8, … parts, 315 at most, until they fit in nine tenths of the
+/// memory.
 /// @param may_stay  whether the field stays on the device if it can (panel_field_on_device)
 PanelForecast forecast_panel(const Device& device, const PanelModel& panel, const PanelModel::Pattern& pattern,
                              bool may_stay, double memory);
