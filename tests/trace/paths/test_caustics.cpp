@@ -243,7 +243,7 @@ TEST(Caustics, ShowImagesInATubeInPairs) {
   for (int i = 0; i < places; ++i) {
     const double x = (2 * random.uniform() - 1) * 6_mm, y = (2 * random.uniform() - 1) * 6_mm;
     const PathStart start = start_of(scene, {{x, y, plate_z - 1e-5}, {0, 0, 1}});
-    const size_t images = caustic_light(scene, start.point, 0, 1, false, counts).size();
+    const size_t images = caustic_light(scene, start.point, {0}, 1, false, counts).size();
     with_two += images == 2;
     with_four += images == 4;
   }
@@ -350,8 +350,7 @@ TEST(Caustics, AgreeWithPathsThatMeetALampByChance) {
     for (int i = 0; i < 6; ++i)
       small.lights.push_back(PointLight{{side * ((i + 0.5) / 6 - 0.5), side * ((j + 0.5) / 6 - 0.5), plate_z - b - a},
                                         Vec3{1, 1, 1} / 36});
-  const PathScene path_scene(scene, Lines{}, {"EDSSL"}, {});
-  EXPECT_TRUE(path_scene.caustics.is_empty());
+  const PathScene path_scene(scene, Lines{}, {"EDSSL"}, {.caustic_rays = 0});
   const Plate plate(small, "EDSSL");
   for (const double x : {0.5_mm, 1.5_mm, 3_mm}) {
     Statistics by_chance;
@@ -430,9 +429,6 @@ TEST(Caustics, AreLookedForWhereLampsAndMirrorsNeedIt) {
   EXPECT_TRUE(is_empty(scene, {.caustic_rays = 0}));
   scene.materials[1] = ConductorMaterial{.roughness = 0.3};
   EXPECT_TRUE(is_empty(scene));  // paths find light by rough metal
-  scene.materials[1] = DielectricMaterial{};
-  scene.lights = {RectangleLight{{0, 0, plate_z - 50_mm}, {1_mm, 0, 0}, {0, 1_mm, 0}, {1, 1, 1}}};
-  EXPECT_TRUE(is_empty(scene));  // paths meet the lamp
 }
 
 /// Brightness of laser light that leaves the plate's lower side at a place.
@@ -500,6 +496,234 @@ TEST(Caustics, PhasesJumpAtAFocus) {
     const double found = laser_light(scene, "E.*L", 0.02e-6, 0.01e-6) * pi / reflectance_of_plate;
     EXPECT_NEAR(found / std::norm(straight + reflected), 1, 2e-3) << b;
   }
+}
+
+// --- rectangles: sampled by mirrors and glass, and met by paths ----------------------------------------
+
+/// A square lamp of intensity 1 W/sr along its normal, which points up (+z) or down.
+RectangleLight make_square(Vec3 middle, double side, bool is_visible = false, bool points_up = true) {
+  RectangleLight lamp{
+      middle - Vec3{side / 2, side / 2, 0}, {side, 0, 0}, {0, side, 0}, Vec3{1, 1, 1} / (side * side), is_visible};
+  if (!points_up) std::swap(lamp.edge_u, lamp.edge_v);
+  return lamp;
+}
+
+constexpr PathParams by_chance{.caustic_rays = 0};
+
+/// Radiance of the plate's lower side at a place, by `samples` times 256 paths.
+Statistics radiance_of_plate(const Scene& scene, const std::string& group, const PathParams& params, Vec2 place,
+                             int samples) {
+  const PathScene path_scene(scene, Lines{}, {group}, params);
+  const PathStart start = start_of(path_scene, {{place.x, place.y, plate_z - 1e-4}, {0, 0, 1}});
+  Statistics statistics;
+  PathCounts counts;
+  for (int i = 0; i < samples; ++i) {
+    Vec3 sum;
+    mean_radiance(path_scene, start, 256, uint64_t(i), {&sum, 1}, counts);
+    statistics.add(sum.y);
+  }
+  return statistics;
+}
+
+/// Expects the light that paths find by themselves, up to 4 standard errors, which are below a part of it.
+void expect_same_light(const Scene& scene, const std::string& group, const PathParams& params, Vec2 place, int samples,
+                       double largest_error) {
+  EXPECT_FALSE(PathScene(scene, Lines{}, {group}, params).caustics.is_empty());
+  PathParams alone = params;
+  alone.caustic_rays = 0;
+  const Statistics with = radiance_of_plate(scene, group, params, place, samples),
+                   without = radiance_of_plate(scene, group, alone, place, samples);
+  const double error = std::hypot(with.standard_error(), without.standard_error());
+  EXPECT_GT(without.mean(), 0);
+  EXPECT_LT(error, largest_error * without.mean());
+  EXPECT_NEAR(with.mean() / without.mean(), 1, 4 * error / without.mean());
+  EXPECT_LT(with.standard_error(), without.standard_error());
+}
+
+Scene make_cap_and_lamp(double side, bool is_visible) {
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - 70_mm + 80_mm}, 80_mm, 0.25, 60, 120, true));
+  scene.lights = {make_square({5_mm, 0, plate_z - 10_mm}, side, is_visible, false)};
+  return scene;
+}
+
+Scene make_ball_and_lamp(double side, bool is_visible) {
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(1.5)});
+  scene.meshes.push_back(make_ball({0, 0, plate_z - 15_mm}, 5_mm, 60));
+  scene.lights = {make_square({0, 0, plate_z - 45_mm}, side, is_visible)};
+  return scene;
+}
+
+// As of a point of the same intensity; here the mirror and the plate see the lamp along its normal.
+TEST(CausticsOfRectangles, FollowTheMirrorEquation) {
+  constexpr double radius = 80_mm, b = 70_mm, a = 30_mm, side = 0.1_mm;
+  Scene scene = make_plate(ideal_mirror());
+  scene.meshes.push_back(make_cap({0, 0, plate_z - b + radius}, radius, 0.25, 60, 120, true));
+  const double spread = 1 + b * (1 / a - 2 / radius);
+  for (const bool is_visible : {false, true}) {
+    scene.lights = {make_square({0, 0, plate_z - b + a}, side, is_visible, false)};
+    // The surface of a lamp that is seen hides the place on the axis.
+    const double x = is_visible ? 0.5_mm : 0.1_mm;
+    // Off the axis by x/b of an angle: 5e-5 of the light; and paths that meet so small a lamp are rarer than one in 1e5.
+    EXPECT_NEAR(Plate(scene, "EDSL").at(x, 0.1_mm) * a * a * spread * spread, 1, 5e-4) << is_visible;
+  }
+}
+
+TEST(CausticsOfRectangles, ComeThroughPanesAndByFlatMirrors) {
+  constexpr double far = 60_mm, side = 0.2_mm;
+  Scene pane = make_plate(DielectricMaterial{.index = constant_index(1.5), .is_thin = true});
+  pane.meshes.push_back(make_wall(plate_z - 30_mm, 80_mm, 80_mm, 1));
+  pane.lights = {make_square({5_mm, 0, plate_z - far}, side)};
+  const auto light_from = [&](double aside) { return far * far / std::pow(aside * aside + far * far, 2); };
+  const double once = 1 - transmittance(std::atan2(3_mm, far), 1.5);
+  // Two places of the lamp are sampled; their light differs by side/√12 times its slope, 4·3 mm/(60.1 mm)²: 2e-4 of it.
+  EXPECT_NEAR(Plate(pane, "EDSL").at(2_mm, 0) / ((1 - 2 * once / (1 + once)) * light_from(3_mm)), 1, 5e-4);
+
+  Scene mirror = make_plate(ideal_mirror());
+  mirror.meshes.push_back(make_test_quad({-20_mm, 0, plate_z - 50_mm}, {0, 20_mm, 0}, {0, 0, 49.9_mm}, 1));
+  mirror.lights = {make_square({-8_mm, 0, plate_z - far}, side)};  // its image stands at −32 mm
+  // Here the slope is 4·34 mm/(69 mm)²: 1.6e-3.
+  EXPECT_NEAR(Plate(mirror, "EDSL").at(2_mm, 0) / light_from(34_mm), 1, 4e-3);
+}
+
+// Light is neither lost nor counted twice, where single paths find enough of it to tell.
+TEST(CausticsOfRectangles, AreTheLightThatPathsFind) {
+  for (const bool is_visible : {false, true}) {
+    expect_same_light(make_ball_and_lamp(6_mm, is_visible), "E.*L", {}, {1.5_mm, 0}, 500, 0.02);
+    // Here the surface of the lamp hides its own image in part, and the mirror enlarges it.
+    expect_same_light(make_cap_and_lamp(6_mm, is_visible), "E.*L", {}, {1_mm, 2_mm}, is_visible ? 3000 : 500, 0.025);
+  }
+}
+
+TEST(CausticsOfRectangles, AreTheLightThatPathsFindOneByOne) {
+  const Scene scene = make_ball_and_lamp(6_mm, false);
+  expect_same_light(scene, "E.*L", {.clamp = 1e300}, {1.5_mm, 0}, 500, 0.02);
+  expect_same_light(scene, "E.*L", {.asks_at_end = true}, {1.5_mm, 0}, 1000, 0.02);
+  expect_same_light(scene, "EDSSL", {.max_depth = 3}, {1.5_mm, 0}, 500, 0.02);
+}
+
+// At a glossy plate each lobe shares its own light.
+TEST(CausticsOfRectangles, AreSharedByLobes) {
+  Scene scene = make_ball_and_lamp(6_mm, false);
+  scene.materials[0] = MetallicRoughnessMaterial{.base_color = Vec3{0.5, 0.5, 0.5}, .metallic = 0.3, .roughness = 0.6};
+  expect_same_light(scene, "EDSSL", {}, {1.5_mm, 0}, 800, 0.025);
+  expect_same_light(scene, "EGSSL", {}, {1.5_mm, 0}, 800, 0.025);
+}
+
+// A card beside the plate, lit by the plate, which is lit by the ball; paths in groups.
+TEST(CausticsOfRectangles, AreFoundAfterRandomBounces) {
+  Scene scene = make_ball_and_lamp(6_mm, false);
+  scene.meshes.push_back(make_test_quad({-12_mm, 0, plate_z - 5_mm}, {0, 5_mm, 0}, {0, 0, 4_mm}));
+  Statistics with, without;
+  for (const int rays : {0, 1024}) {
+    const PathScene path_scene(scene, Lines{}, {"EDDSSL"}, {.caustic_rays = rays});
+    const PathStart start = start_of(path_scene, {{-11_mm, 0, plate_z - 4_mm}, {-1, 0, 0}});
+    PathCounts counts;
+    for (int i = 0; i < 1500; ++i) {
+      Vec3 sum;
+      mean_radiance(path_scene, start, 256, uint64_t(i), {&sum, 1}, counts);
+      (rays ? with : without).add(sum.y);
+    }
+  }
+  const double error = std::hypot(with.standard_error(), without.standard_error());
+  EXPECT_LT(error, 0.12 * without.mean());
+  EXPECT_NEAR(with.mean(), without.mean(), 4 * error);
+  EXPECT_LT(with.standard_error(), 0.5 * without.standard_error());
+}
+
+// Paths meet the lamp one time in 1e5: their light is noise.
+TEST(CausticsOfRectangles, OfSmallLampsHaveLittleNoise) {
+  const Scene scene = make_ball_and_lamp(0.3_mm, false);
+  const Statistics with = radiance_of_plate(scene, "EDSSL", {}, {1.5_mm, 0}, 300),
+                   without = radiance_of_plate(scene, "EDSSL", by_chance, {1.5_mm, 0}, 300);
+  EXPECT_LT(with.standard_error(), 1e-3 * with.mean());
+  EXPECT_GT(without.standard_error(), 0.3 * with.mean());
+}
+
+// Light by a thin pane: the density of places on the lamp is d²/(A·cosθ'), over the share that comes through.
+TEST(CausticsOfRectangles, HaveTheDensityOfPathsThatMeetThem) {
+  constexpr double far = 60_mm, side = 2_mm;
+  Scene pane = make_plate(DielectricMaterial{.index = constant_index(1.5), .is_thin = true});
+  pane.meshes.push_back(make_wall(plate_z - 30_mm, 80_mm, 80_mm, 1));
+  pane.lights = {make_square({5_mm, 0, plate_z - far}, side)};
+  const PathScene scene(pane, Lines{}, {}, {});
+  const SurfacePoint point = start_of(scene, {{2_mm, 0, plate_z - 1e-4}, {0, 0, 1}}).point;
+  PathCounts counts;
+  const Vec3 start{5.5_mm, -0.7_mm, plate_z - far}, way = start - point.position;
+  const double d = length(way), once = 1 - transmittance(std::acos(far / d), 1.5), share = 1 - 2 * once / (1 + once);
+  const auto lights = caustic_light(scene, point, {0, start}, 7, false, counts);
+  ASSERT_EQ(lights.size(), 1U);
+  EXPECT_NEAR(lights[0].pdf / (d * d * d / (side * side * far) / share), 1, 1e-6);
+  EXPECT_NEAR(lights[0].radiance.y * side * side, 1, 1e-9);  // the share is in the density
+  // The same for a path that has met this place, and none for another path.
+  EXPECT_EQ(caustic_pdf(scene, point, way / d, {0, start}, 1, 7, counts), lights[0].pdf);
+  EXPECT_EQ(caustic_pdf(scene, point, normalize(way + Vec3{0.1_mm, 0, 0}), {0, start}, 1, 7, counts), 0);
+  EXPECT_EQ(caustic_pdf(scene, point, way / d, {0, start}, 2, 7, counts), 0);
+  EXPECT_EQ(caustic_pdf(scene, point, way / d, {0, start}, 1, 0, counts), 0);
+}
+
+// In glass radiance is n² times as large, and a lamp looks n² times smaller.
+TEST(CausticsOfRectangles, LightAPlateInGlass) {
+  constexpr double a = 40_mm, b = 30_mm, n = 1.5;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(n)});
+  scene.meshes.push_back(make_test_quad({0, 0, plate_z - b}, {30_mm, 0, 0}, {0, -30_mm, 0}, 1));
+  scene.lights = {make_square({0, 0, plate_z - b - a}, 0.2_mm)};
+  // 0.2 mm off the axis: light differs by the square of 3e-3.
+  EXPECT_NEAR(Plate(scene, "EDSL").at(0.2_mm, 0) / 0.96 * std::pow(a + b / n, 2), 1, 1e-4);
+}
+
+TEST(CausticsOfRectangles, AreLookedForByMirrorsFarAwayAndSmooth) {
+  const auto has_rectangles = [](const Scene& scene) {
+    return PathScene(scene, Lines{}, {}, {}).caustics.has_rectangles;
+  };
+  // The ball's surface is 25 mm away: a diagonal of 12.5 mm is the largest.
+  EXPECT_TRUE(has_rectangles(make_ball_and_lamp(8_mm, true)));
+  EXPECT_FALSE(has_rectangles(make_ball_and_lamp(14_mm, true)));
+  Scene scene = make_ball_and_lamp(1_mm, true);
+  scene.meshes[1].normals.clear();
+  EXPECT_FALSE(has_rectangles(scene));
+  std::swap(scene.lights[0], scene.lights.emplace_back(PointLight{{0, 0, plate_z - 45_mm}, {1, 1, 1}}));
+  EXPECT_FALSE(has_rectangles(scene));
+  EXPECT_FALSE(PathScene(scene, Lines{}, {}, {}).caustics.is_empty());
+  // A lamp that turns its back on the ball.
+  scene = make_ball_and_lamp(1_mm, true);
+  auto& lamp = std::get<RectangleLight>(scene.lights[0]);
+  std::swap(lamp.edge_u, lamp.edge_v);
+  EXPECT_FALSE(has_rectangles(scene));
+}
+
+// Light of lasers keeps its phase; beside it a rectangle adds its own light.
+TEST(CausticsOfRectangles, AddUpWithLasers) {
+  Scene scene = make_cap_and_lamp(0.1_mm, false);
+  const double alone = laser_light(scene, "EDSL", 1_mm, 2_mm);
+  EXPECT_NEAR(alone * pi / reflectance_of_plate / Plate(scene, "EDSL").at(1_mm, 2_mm), 1, 0.01);
+}
+
+TEST(SpecularChain, ComesBackTheSameWay) {
+  const Scene scene = make_ball_and_lamp(1_mm, false);
+  const PathScene path_scene(scene, Lines{}, {}, {});
+  const Ray ray{{0.1_mm, -0.2_mm, plate_z - 45_mm}, normalize({0.05, 0.03, 1})};
+  std::vector<SpecularVertex> chain;
+  Ray on = ray;
+  for (double index = 1; const bool is_in : {true, false}) {
+    const auto hit = path_scene.accelerator.closest_hit(on);
+    ASSERT_TRUE(hit && hit->point.mesh == 1) << is_in;
+    const Material& material = scene.materials[1];
+    const SpecularBranches branches =
+        specular_branches(make_bsdf(material, hit->point, path_scene.lines), -on.direction);
+    const auto through = std::find_if(branches.ways.begin(), branches.ways.begin() + branches.count,
+                                      [](const BsdfSample& branch) { return branch.is_transmission; });
+    chain.push_back(specular_vertex(scene, hit->point, on.direction, *through, index, path_scene.lines));
+    index = chain.back().index_after();
+    on = {path_scene.accelerator.leave(hit->point, through->direction), through->direction};
+  }
+  const auto end = retrace(chain, ray);
+  ASSERT_TRUE(end);
+  const auto back = retrace(reverse(chain), {end->place, -end->direction}, ray.origin, {0, 0, 1});
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(length(back->place - ray.origin), 0, 1e-12);
+  EXPECT_NEAR(length(back->direction + ray.direction), 0, 1e-12);
+  EXPECT_EQ(back->index, 1);
 }
 
 }  // namespace

@@ -71,9 +71,20 @@ inline LightSample sample(const DirectionalLight& light, Vec3 from, Vec2) {
   return {-light.direction, infinity, light.irradiance, 1};
 }
 
+inline Vec3 place_on(const RectangleLight& light, Vec2 u) {
+  return light.corner + light.edge_u * u.x + light.edge_v * u.y;
+}
+
+/// The place from the corner, in edges: the u of place_on.
+inline Vec2 edges_to(const RectangleLight& light, Vec3 place) {
+  const Vec3 normal = cross(light.edge_u, light.edge_v), way = place - light.corner;
+  const double squared = dot(normal, normal);
+  return {dot(cross(way, light.edge_v), normal) / squared, dot(cross(light.edge_u, way), normal) / squared};
+}
+
 /// A place uniform over the area A: its density over solid angle is d²/(A·cosθ'), θ' the angle at the light.
 inline LightSample sample(const RectangleLight& light, Vec3 from, Vec2 u) {
-  const Vec3 way = light.corner + light.edge_u * u.x + light.edge_v * u.y - from;
+  const Vec3 way = place_on(light, u) - from;
   const double projected = -dot(cross(light.edge_u, light.edge_v), way);  // A·cosθ'·d
   if (projected <= 0) return {};
   const double squared = dot(way, way), distance = std::sqrt(squared);

@@ -23,31 +23,52 @@ constexpr double least_share = 1e-3;  // of a chain, as in specular.cpp
 
 // --- rays of a lamp ---------------------------------------------------------------------------------
 
-const Vec3& place_of(const Light& light) {
-  if (const auto* spot = std::get_if<SpotLight>(&light)) return spot->position;
-  return std::get<PointLight>(light).position;
+/// Where the rays of a lamp start.
+struct Origin {
+  const Light& light;
+  int number;     // of the light in its scene
+  Vec3 offset{};  // from the middle of a rectangle [m]
+
+  bool is_beam() const { return std::holds_alternative<DirectionalLight>(light); }
+  const RectangleLight* rectangle() const { return std::get_if<RectangleLight>(&light); }
+
+  Vec3 place() const {
+    if (const auto* spot = std::get_if<SpotLight>(&light)) return spot->position;
+    if (const auto* at = rectangle()) return at->corner + (at->edge_u + at->edge_v) * 0.5 + offset;
+    return std::get<PointLight>(light).position;
+  }
+};
+
+/// From the place of a lamp to where a ray goes.
+Vec3 way_at(const Origin& from, const RaySquare& rays, Vec2 p) {
+  return rays.centre + rays.u * p.x + rays.v * p.y - from.offset;
 }
 
-Ray ray_at(const Light& light, const RaySquare& rays, Vec2 p) {
-  const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
-  if (const auto* beam = std::get_if<DirectionalLight>(&light)) return {there, beam->direction};
-  return {place_of(light), normalize(there)};
+Ray ray_at(const Origin& from, const RaySquare& rays, Vec2 p) {
+  const Vec3 there = way_at(from, rays, p);
+  if (const auto* beam = std::get_if<DirectionalLight>(&from.light)) return {there, beam->direction};
+  return {from.place(), normalize(there)};
 }
 
-/// Its derivatives by p and q.
-std::array<RayChange, 2> changes_at(const Light& light, const RaySquare& rays, Vec2 p) {
-  if (std::holds_alternative<DirectionalLight>(light)) return {RayChange{rays.u, {}}, {rays.v, {}}};
-  const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
-  const double distance = length(there);
-  const Vec3 d = there / distance;
-  return {RayChange{{}, (rays.u - d * dot(d, rays.u)) / distance}, {{}, (rays.v - d * dot(d, rays.v)) / distance}};
+/// Change of the direction of a way, if its end moves.
+Vec3 turn(Vec3 way, Vec3 move) {
+  const double distance = length(way);
+  const Vec3 d = way / distance;
+  return (move - d * dot(d, move)) / distance;
+}
+
+/// Derivatives of a ray by p and q.
+std::array<RayChange, 2> changes_at(const Origin& from, const RaySquare& rays, Vec2 p) {
+  if (from.is_beam()) return {RayChange{rays.u, {}}, {rays.v, {}}};
+  const Vec3 there = way_at(from, rays, p);
+  return {RayChange{{}, turn(there, rays.u)}, {{}, turn(there, rays.v)}};
 }
 
 /// Solid angle, or area across a beam, of dp dq at a ray.
-double density_at(const Light& light, const RaySquare& rays, Vec2 p) {
+double density_at(const Origin& from, const RaySquare& rays, Vec2 p) {
   const Vec3 side = cross(rays.u, rays.v);
-  if (std::holds_alternative<DirectionalLight>(light)) return length(side);
-  const Vec3 there = rays.centre + rays.u * p.x + rays.v * p.y;
+  if (from.is_beam()) return length(side);
+  const Vec3 there = way_at(from, rays, p);
   const double distance = length(there);
   return std::abs(dot(there, side)) / (distance * distance * distance);
 }
@@ -62,12 +83,25 @@ Vec3 strength_toward(const Light& light, Vec3 place) {
 
 /// Light on its way from a lamp.
 struct LightWay {
-  Ray ray;
+  Ray ray;               // starts off the surface that it leaves
   double index = 1;      // of the medium that it is in
   Vec3 weight{1, 1, 1};  // share of the power
   Vec3 phase{};          // [rad]
   std::vector<SpecularVertex> chain{};
 };
+
+/// A ray of a lamp that does not meet the surface of that lamp; none behind a rectangle.
+std::optional<Ray> leave_lamp(const PathScene& scene, const Origin& from, const Ray& ray) {
+  const RectangleLight* lamp = from.rectangle();
+  if (!lamp) return ray;
+  const double cosine = dot(normalize(cross(lamp->edge_u, lamp->edge_v)), ray.direction);
+  if (cosine < least_light_cosine) return std::nullopt;
+  // The surface of a rectangle that is seen is lifted; one that is not seen may lie in a wall.
+  const double size = length(lamp->edge_u) + length(lamp->edge_v),
+               rounding = light_rounding * (length(ray.origin - scene.accelerator.precision().centre) + size);
+  const double off = (scene.accelerator.lift_of(from.number) + rounding) / cosine;
+  return Ray{ray.origin + ray.direction * off, ray.direction};
+}
 
 /// Sends light on by a branch of a surface that it has met.
 void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, const BsdfSample& branch) {
@@ -80,9 +114,11 @@ void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, c
 }
 
 /// Follows a ray of a lamp by the same reflections and refractions on the same meshes as those of a chain.
-std::optional<LightWay> follow_like(const PathScene& scene, const Ray& ray, const std::vector<SpecularVertex>& model,
-                                    PathCounts& counts) {
-  LightWay way{ray};
+std::optional<LightWay> follow_like(const PathScene& scene, const Origin& from, const Ray& ray,
+                                    const std::vector<SpecularVertex>& model, PathCounts& counts) {
+  const auto start = leave_lamp(scene, from, ray);
+  if (!start) return std::nullopt;
+  LightWay way{*start};
   way.chain.reserve(model.size());
   for (const SpecularVertex& vertex : model) {
     ++counts.rays;
@@ -107,11 +143,25 @@ struct Landing {
   std::optional<Vec3> place;  // of a surface that scatters; none: beyond all surfaces
 };
 
+/// The first surface on a ray that is no lamp: lamps hide light of some places of other lamps, and perhaps not of all.
+std::optional<Hit> closest_hit_behind_lamps(const PathScene& scene, Ray ray) {
+  const Accelerator& accelerator = scene.accelerator;
+  // Each lamp is passed once; rounding may show one again.
+  for (size_t lamps = 2 * scene.emitters.lights().size();; --lamps) {
+    const auto hit = accelerator.closest_hit(ray);
+    if (!hit || hit->point.light < 0) return hit;
+    if (lamps == 0) return std::nullopt;
+    const SurfacePoint& lamp = hit->point;
+    const double cosine = std::max(std::abs(dot(lamp.geometric_normal, ray.direction)), least_light_cosine);
+    ray.origin = lamp.position + ray.direction * (2 * (accelerator.lift_of(lamp.light) + lamp.clearance) / cosine);
+  }
+}
+
 /// Follows all branches of a ray of a lamp. Calls land(landing) where one reaches a surface that scatters, or leaves.
 template <class Land>
 void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& is_cut, const Land& land) {
-  const auto hit = scene.accelerator.closest_hit(way.ray);
-  if (!hit || hit->point.light >= 0) {
+  const auto hit = closest_hit_behind_lamps(scene, way.ray);
+  if (!hit) {
     if (!way.chain.empty()) land({way, std::nullopt});
     return;
   }
@@ -167,17 +217,19 @@ std::optional<Vec2> solve(const Matrix& m, Vec2 v) {
 /// The plane through a place, across a direction, and the places in which rays of a chain meet it.
 class Screen {
  public:
-  Screen(const Light& light, const RaySquare& rays, std::span<const SpecularVertex> chain, Vec3 place, Vec3 normal)
-      : light_(light), rays_(rays), chain_(chain), across_(frame_from_normal(normal)), place_(place) {}
+  Screen(const Origin& from, const RaySquare& rays, std::span<const SpecularVertex> chain, Vec3 place, Vec3 normal)
+      : from_(from), rays_(rays), chain_(chain), across_(frame_from_normal(normal)), place_(place) {}
 
   struct Met {
     Vec2 off;       // from the place [m]
-    Matrix by;      // its derivatives by p and q
+    Matrix by;      // its derivatives
     Matrix turned;  // derivatives of the direction
   };
-  std::optional<Met> meet(Vec2 p) const {
-    auto changes = changes_at(light_, rays_, p);
-    const auto end = retrace(chain_, ray_at(light_, rays_, p), place_, across_.z, changes);
+  std::optional<Met> meet(Vec2 p) const { return meet(p, changes_at(from_, rays_, p)); }
+
+  /// With the derivatives that belong to these changes of the ray.
+  std::optional<Met> meet(Vec2 p, std::array<RayChange, 2> changes) const {
+    const auto end = retrace(chain_, ray_at(from_, rays_, p), place_, across_.z, changes);
     if (!end) return std::nullopt;
     return Met{seen(end->place - place_),
                {seen(changes[0].place), seen(changes[1].place)},
@@ -209,7 +261,7 @@ class Screen {
  private:
   Vec2 seen(Vec3 v) const { return {dot(v, across_.x), dot(v, across_.y)}; }
 
-  const Light& light_;
+  const Origin& from_;
   const RaySquare& rays_;
   std::span<const SpecularVertex> chain_;
   Frame across_;
@@ -224,7 +276,25 @@ constexpr std::array<Vec2, 4> corners{Vec2{-1, -1}, Vec2{1, -1}, Vec2{1, 1}, Vec
 struct Target {
   Vec3 centre;
   double radius;
+  size_t mesh;
 };
+
+/// A rectangle is a small lamp for a surface whose distance is half of its diagonal times this.
+constexpr double least_distance = 4;
+
+/// The meshes by which light of a lamp is looked for, as true by their numbers. From a rectangle, places see a different part of
+/// it by each flat facet: paths find that as fast.
+std::vector<char> useful_meshes(const Scene& scene, const Light& light) {
+  std::vector<char> useful(scene.meshes.size(), true);
+  if (has_area(light))
+    std::transform(scene.meshes.begin(), scene.meshes.end(), useful.begin(),
+                   [](const Mesh& mesh) { return !is_faceted(mesh); });
+  return useful;
+}
+
+double half_diagonal(const RectangleLight& lamp) {
+  return 0.5 * std::max(length(lamp.edge_u + lamp.edge_v), length(lamp.edge_u - lamp.edge_v));
+}
 
 bool is_specular(const Material& material, const Lines& lines) {
   SurfacePoint point;
@@ -234,22 +304,25 @@ bool is_specular(const Material& material, const Lines& lines) {
 
 std::vector<Target> find_targets(const PathScene& scene) {
   std::vector<Target> targets;
-  for (const Mesh& mesh : scene.scene.meshes) {
+  for (size_t m = 0; m < scene.scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.scene.meshes[m];
     const Material& material = scene.scene.materials[size_t(mesh.material)];
     if (mesh.triangles.empty() || material.normal_map || !is_specular(material, scene.lines)) continue;
     Box box;
     for (const auto& triangle : mesh.triangles)
       for (const uint32_t corner : triangle) box.include(mesh.positions[corner]);
-    targets.push_back({box.centre(), 0.5 * length(box.high - box.low)});
+    targets.push_back({box.centre(), 0.5 * length(box.high - box.low), m});
   }
   return targets;
 }
 
-/// The cells of a lamp that may meet the targets, each so small that `fineness` of them lie side by side on each target.
+/// The cells of a lamp that may meet the targets, each so small that `fineness` of them lie side by side on each target, or as
+/// small as the lamp is seen from there: light of smaller cells would overlap at every place.
 class Cells {
  public:
-  Cells(const PathScene& scene, const Light& light, const std::vector<Target>& targets, int rays)
-      : light_(light), fineness_(std::max(4.0, std::sqrt(2.0 * rays / (pi * double(targets.size()))))) {
+  Cells(const PathScene& scene, const Origin& origin, const std::vector<Target>& targets, int rays)
+      : origin_(origin), fineness_(std::max(4.0, std::sqrt(2.0 * rays / (pi * double(targets.size()))))) {
+    const Light& light = origin.light;
     if (const auto* spot = std::get_if<SpotLight>(&light)) reach_ = std::min(reach_, spot->outer_angle);
     if (const auto* beam = std::get_if<DirectionalLight>(&light)) {
       const ScenePrecision& precision = scene.accelerator.precision();
@@ -273,25 +346,28 @@ class Cells {
  private:
   /// Where a target lies for a cell: sizes are angles for a point, and lengths for a beam.
   struct Sight {
-    double apart, radius, of_cell;
+    double apart, radius, of_cell, of_lamp = 0;
   };
   Sight sight(const RaySquare& cell, const Target& target) const {
     const double half = length(cell.u + cell.v);  // of the diagonal
-    if (const auto* beam = std::get_if<DirectionalLight>(&light_))
+    if (const auto* beam = std::get_if<DirectionalLight>(&origin_.light))
       return {length(cross(target.centre - cell.centre, beam->direction)), target.radius, half};
-    const Vec3 way = target.centre - place_of(light_);
+    const Vec3 way = target.centre - origin_.place();
     const double distance = length(way);
     const double of_target = distance > target.radius ? std::asin(target.radius / distance) : pi;
-    return {angle_between(way, cell.centre), of_target, std::asin(std::min(1.0, half / length(cell.centre)))};
+    const double of_lamp = origin_.rectangle() ? half_diagonal(*origin_.rectangle()) / distance : 0;
+    return {angle_between(way, cell.centre), of_target, std::asin(std::min(1.0, half / length(cell.centre))), of_lamp};
   }
 
   static double angle_between(Vec3 v, Vec3 w) { return std::atan2(length(cross(v, w)), dot(v, w)); }
 
   bool is_in_cone(const RaySquare& cell) const {
-    const auto* spot = std::get_if<SpotLight>(&light_);
-    if (!spot) return true;
     const double of_cell = std::asin(std::min(1.0, length(cell.u + cell.v) / length(cell.centre)));
-    return angle_between(spot->direction, cell.centre) <= spot->outer_angle + of_cell;
+    if (const auto* spot = std::get_if<SpotLight>(&origin_.light))
+      return angle_between(spot->direction, cell.centre) <= spot->outer_angle + of_cell;
+    if (const RectangleLight* lamp = origin_.rectangle())
+      return angle_between(cross(lamp->edge_u, lamp->edge_v), cell.centre) <= 0.5 * pi + of_cell;
+    return true;
   }
 
   void split(const RaySquare& cell, const std::vector<Target>& targets, int level) {
@@ -302,7 +378,8 @@ class Cells {
       const Sight seen = sight(cell, target);
       if (seen.apart > seen.radius + seen.of_cell) continue;
       met.push_back(target);
-      is_fine = is_fine && seen.of_cell * fineness_ <= std::sqrt(2.0) * std::min(seen.radius, reach_);
+      const double enough = std::sqrt(2.0) * std::min(seen.radius, reach_) / fineness_;
+      is_fine = is_fine && seen.of_cell <= std::max(enough, 0.25 * seen.of_lamp);
     }
     if (met.empty() || !is_in_cone(cell)) return;
     if (is_fine || level == most_levels) {
@@ -313,7 +390,7 @@ class Cells {
     for (const Vec2 corner : corners) split({cell.centre + u * corner.x + v * corner.y, u, v}, met, level + 1);
   }
 
-  const Light& light_;
+  Origin origin_;
   double fineness_, reach_ = 0.5 * pi;  // angle, or radius of a beam [m]
   std::vector<RaySquare> cells_;
 };
@@ -323,8 +400,9 @@ struct FoundBundle {
   Box box;
 };
 
-/// Whether DirectLight adds the light of a chain without help.
-bool is_found_anyway(const PathScene& scene, const std::vector<SpecularVertex>& chain) {
+/// Whether DirectLight adds the light of a chain without help. Lights with an area it samples straight alone.
+bool is_found_anyway(const PathScene& scene, const Light& light, const std::vector<SpecularVertex>& chain) {
+  if (has_area(light)) return false;
   const auto is_straight = [&](const SpecularVertex& vertex) {
     return vertex.is_transmission && is_pane(scene.scene.materials[size_t(vertex.point.material)]);
   };
@@ -336,11 +414,17 @@ bool is_found_anyway(const PathScene& scene, const std::vector<SpecularVertex>& 
 }
 
 /// The coordinates of the ray that reaches a place, to first order.
-std::optional<Vec2> first_guess(const LightBundle& bundle, Vec3 place) {
+/// @param on_lamp  where on a rectangle it starts, in its edges from the middle
+std::optional<Vec2> first_guess(const LightBundle& bundle, Vec3 place, Vec2 on_lamp) {
   const Vec3 way = place - bundle.place;
   const double along = dot(way, bundle.across.z);
+  const auto moved = [&](const Matrix& at, const Matrix& turned, Vec2 by) {
+    return (at[0] + turned[0] * along) * by.x + (at[1] + turned[1] * along) * by.y;
+  };
   const Matrix spread{bundle.a[0] + bundle.b[0] * along, bundle.a[1] + bundle.b[1] * along};
-  const auto from_known = solve(spread, {dot(way, bundle.across.x), dot(way, bundle.across.y)});
+  const Vec2 off = Vec2{dot(way, bundle.across.x), dot(way, bundle.across.y)} -
+                   moved(bundle.by_start, bundle.turned_by_start, on_lamp);
+  const auto from_known = solve(spread, off);
   if (!from_known) return std::nullopt;
   return bundle.known + *from_known;
 }
@@ -348,11 +432,12 @@ std::optional<Vec2> first_guess(const LightBundle& bundle, Vec3 place) {
 /// Makes the bundles of a lamp: cell by cell, smaller where its rays do not all meet the same surfaces or spread unevenly.
 class BundleMaker {
  public:
-  BundleMaker(const PathScene& scene, const Light& light) : scene_(scene), light_(light) {}
+  BundleMaker(const PathScene& scene, const Origin& origin, const std::vector<char>& useful_meshes)
+      : scene_(scene), origin_(origin), useful_meshes_(useful_meshes) {}
 
   void add(const RaySquare& cell, int level = 0) {
     std::array<std::vector<Landing>, 5> landings;
-    for (size_t i = 0; i < places.size(); ++i) landings[i] = land(ray_at(light_, cell, places[i]));
+    for (size_t i = 0; i < places.size(); ++i) landings[i] = land(ray_at(origin_, cell, places[i]));
     bool is_even = true;
     std::vector<FoundBundle> found;
     for (size_t i = 0; i < places.size(); ++i)
@@ -392,9 +477,14 @@ class BundleMaker {
     const size_t most = std::min(by_user, size_t(most_chained));
     bool is_cut = false;
     std::vector<Landing> landings;
-    follow_all(scene_, {ray}, most, is_cut, [&](Landing landing) {
-      if (is_black(strength_toward(light_, landing.way.chain[0].point.position))) return;
-      if (is_found_anyway(scene_, landing.way.chain)) return;
+    const auto start = leave_lamp(scene_, origin_, ray);
+    if (!start) return landings;
+    follow_all(scene_, {*start}, most, is_cut, [&](Landing landing) {
+      if (is_black(strength_toward(origin_.light, landing.way.chain[0].point.position))) return;
+      if (is_found_anyway(scene_, origin_.light, landing.way.chain)) return;
+      if (!std::all_of(landing.way.chain.begin(), landing.way.chain.end(),
+                       [&](const SpecularVertex& vertex) { return useful_meshes_[vertex.point.mesh]; }))
+        return;
       landings.push_back(std::move(landing));
     });
     is_cut_ = is_cut_ || (is_cut && most < by_user);
@@ -411,6 +501,9 @@ class BundleMaker {
     const bool go_all =
         std::all_of(alike.begin(), alike.end(), [](const Landing* landing) { return landing != nullptr; });
     if (landed == alike.end()) return go_all;
+    if (const RectangleLight* lamp = origin_.rectangle())
+      if (length(alike[first]->way.chain[0].point.position - origin_.place()) < least_distance * half_diagonal(*lamp))
+        return true;
     const Vec3 place = alike[first]->place.value_or(*(*landed)->place);
     std::array<double, 5> orientation{};
     double brightest = 0;
@@ -433,20 +526,19 @@ class BundleMaker {
 
   /// Determinant of the map from coordinates to places across the light; 0 if the chain has none.
   double orientation_at(const RaySquare& cell, const Landing& landing, Vec2 p, Vec3 place) const {
-    const auto met = Screen(light_, cell, landing.way.chain, place, landing.way.ray.direction).meet(p);
+    const auto met = Screen(origin_, cell, landing.way.chain, place, landing.way.ray.direction).meet(p);
     return met ? determinant(met->by) : 0;
   }
 
   /// Irradiance over that of the same lamp straight, as far away.
   double brightness_at(const RaySquare& cell, const Landing& landing, Vec2 p, double orientation) const {
     const auto& chain = landing.way.chain;
-    double way =
-        std::holds_alternative<DirectionalLight>(light_) ? 1 : length(chain[0].point.position - place_of(light_));
-    if (!std::holds_alternative<DirectionalLight>(light_)) {
+    double way = origin_.is_beam() ? 1 : length(chain[0].point.position - origin_.place());
+    if (!origin_.is_beam()) {
       for (size_t i = 1; i < chain.size(); ++i) way += length(chain[i].point.position - chain[i - 1].point.position);
       if (landing.place) way += length(*landing.place - chain.back().point.position);
     }
-    return max_component(landing.way.weight) * density_at(light_, cell, p) / std::abs(orientation) * way * way;
+    return max_component(landing.way.weight) * density_at(origin_, cell, p) / std::abs(orientation) * way * way;
   }
 
   bool add_bundle_by(const RaySquare& cell, size_t known, const std::array<const Landing*, 5>& alike, Vec3 place,
@@ -455,17 +547,35 @@ class BundleMaker {
     LightBundle bundle{
         cell, way.chain, places[known], alike[known]->place.value_or(place), frame_from_normal(way.ray.direction),
         {},   {}};
-    const auto met = Screen(light_, cell, bundle.chain, bundle.place, bundle.across.z).meet(bundle.known);
+    const RectangleLight* lamp = origin_.rectangle();
+    if (lamp) {
+      // From all places of the lamp, rays with the same coordinates go to the same place of the first surface.
+      const double reach = length(way.chain[0].point.position - origin_.place()),
+                   scale = reach / length(way_at(origin_, cell, bundle.known));
+      bundle.rays = {cell.centre * scale, cell.u * scale, cell.v * scale};
+    }
+    const Screen screen(origin_, bundle.rays, bundle.chain, bundle.place, bundle.across.z);
+    const auto met = screen.meet(bundle.known);
     if (!met) return false;
     bundle.a = met->by;
     bundle.b = met->turned;
+    double of_lamp = 0;  // distance over which light of one ray is spread [m]
+    if (lamp) {
+      const Vec3 there = way_at(origin_, bundle.rays, bundle.known);
+      const auto started = screen.meet(bundle.known, {RayChange{lamp->edge_u, -turn(there, lamp->edge_u)},
+                                                      {lamp->edge_v, -turn(there, lamp->edge_v)}});
+      if (!started) return false;
+      bundle.by_start = started->by;
+      bundle.turned_by_start = started->turned;
+      for (const Vec2 side : started->by) of_lamp += 0.5 * std::hypot(side.x, side.y);
+    }
 
     double error = 0;
     Box lit;
     for (size_t i = 0; i < places.size(); ++i) {
       if (alike[i] && alike[i]->place) {
         lit.include(*alike[i]->place);
-        const auto guess = first_guess(bundle, *alike[i]->place);
+        const auto guess = first_guess(bundle, *alike[i]->place, {});
         error = std::max(error, guess ? std::min(largest(*guess - places[i]), most_error) : most_error);
       } else {
         // Beyond the edge of a mirror, lens or lit surface, by first order.
@@ -477,7 +587,7 @@ class BundleMaker {
     bundle.limit = 1.05 + 1.5 * error;
     // Surfaces that lie before the place that the ray has reached are lit, too.
     const double size = length(lit.high - lit.low);
-    const Vec3 before = bundle.across.z * -size, pad = Vec3{1, 1, 1} * (0.1 * size);
+    const Vec3 before = bundle.across.z * -size, pad = Vec3{1, 1, 1} * (0.1 * size + of_lamp);
     Box box;
     for (const Vec3 p : {lit.low, lit.high, lit.low + before, lit.high + before}) {
       box.include(p - pad);
@@ -489,14 +599,23 @@ class BundleMaker {
   static constexpr double most_error = 1;
 
   const PathScene& scene_;
-  const Light& light_;
+  Origin origin_;
+  const std::vector<char>& useful_meshes_;
   std::vector<FoundBundle> found_;
   bool is_cut_ = false;
 };
 
-LampBundles find_bundles(const PathScene& scene, const Light& light, const std::vector<RaySquare>& cells,
+LampBundles find_bundles(const PathScene& scene, const Origin& origin, const std::vector<Target>& all_targets, int rays,
                          bool& is_cut) {
-  std::vector<BundleMaker> makers(cells.size(), BundleMaker(scene, light));
+  const std::vector<char> useful = useful_meshes(scene.scene, origin.light);
+  const double least = origin.rectangle() ? least_distance * half_diagonal(*origin.rectangle()) : 0;
+  std::vector<Target> targets;
+  for (const Target& target : all_targets)
+    if (useful[target.mesh] && (least == 0 || length(target.centre - origin.place()) + target.radius > least))
+      targets.push_back(target);
+  if (targets.empty()) return {};
+  const std::vector<RaySquare> cells = Cells(scene, origin, targets, rays).take();
+  std::vector<BundleMaker> makers(cells.size(), BundleMaker(scene, origin, useful));
   parallel_for(0, int64_t(cells.size()), [&](int64_t i) { makers[size_t(i)].add(cells[size_t(i)]); });
   LampBundles lamp;
   std::vector<Box> boxes;
@@ -521,11 +640,9 @@ struct Arrival {
 };
 
 /// Whether a ray of a bundle is one that has been found, up to a part of the bundle's width.
-bool is_known(const std::vector<Arrival>& arrivals, const LightBundle& bundle, const Screen::Found& ray,
-              double within) {
-  const auto start = [](const LightBundle& b, const Screen::Found& r) {
-    return b.rays.centre + b.rays.u * r.p.x + b.rays.v * r.p.y;
-  };
+bool is_known(const std::vector<Arrival>& arrivals, const Origin& from, const LightBundle& bundle,
+              const Screen::Found& ray, double within) {
+  const auto start = [&](const LightBundle& b, const Screen::Found& r) { return way_at(from, b.rays, r.p); };
   return std::any_of(arrivals.begin(), arrivals.end(), [&](const Arrival& other) {
     // On both sides of a fold two rays that are close to each other reach the place.
     if (other.ray.is_mirrored != ray.is_mirrored || !is_same_way(other.way.chain, bundle.chain)) return false;
@@ -537,16 +654,16 @@ bool is_known(const std::vector<Arrival>& arrivals, const LightBundle& bundle, c
 }
 
 /// Newton's method on real rays, from a ray that planes show.
-std::optional<Arrival> arrive(const PathScene& scene, const Light& light, const LightBundle& bundle, Vec3 place,
+std::optional<Arrival> arrive(const PathScene& scene, const Origin& from, const LightBundle& bundle, Vec3 place,
                               Screen::Found ray, PathCounts& counts) {
   constexpr int most = 8;
   constexpr double enough = 1e-4;  // 1e-8 of the width of a bundle
   std::vector<SpecularVertex> known;
   for (int i = 0; i < most; ++i) {
-    auto way = follow_like(scene, ray_at(light, bundle.rays, ray.p), bundle.chain, counts);
+    auto way = follow_like(scene, from, ray_at(from, bundle.rays, ray.p), bundle.chain, counts);
     if (!way) return std::nullopt;
     if (!known.empty() && has_same_triangles(way->chain, known)) return Arrival{&bundle, ray, std::move(*way)};
-    const auto next = Screen(light, bundle.rays, way->chain, place, bundle.across.z).find(ray.p, bundle.limit, enough);
+    const auto next = Screen(from, bundle.rays, way->chain, place, bundle.across.z).find(ray.p, bundle.limit, enough);
     if (!next) return std::nullopt;
     // The ray hardly moves: its surfaces are those that it has met.
     if (largest(next->p - ray.p) < enough) return Arrival{&bundle, *next, std::move(*way)};
@@ -557,13 +674,13 @@ std::optional<Arrival> arrive(const PathScene& scene, const Light& light, const 
 }
 
 /// Number of focal lines that light passes on its way: places between two surfaces where neighbouring rays meet.
-int count_focal_lines(const Light& light, const Arrival& arrival, Vec3 place) {
+int count_focal_lines(const Origin& from, const Arrival& arrival, Vec3 place) {
   const RaySquare& rays = arrival.bundle->rays;
   const auto& chain = arrival.way.chain;
   int lines = 0;
   for (size_t k = 1; k <= chain.size(); ++k) {
-    auto changes = changes_at(light, rays, arrival.ray.p);
-    const auto here = retrace({chain.data(), k}, ray_at(light, rays, arrival.ray.p), changes);
+    auto changes = changes_at(from, rays, arrival.ray.p);
+    const auto here = retrace({chain.data(), k}, ray_at(from, rays, arrival.ray.p), changes);
     if (!here) return lines;
     // Neighbouring rays at the distance s, in the plane across this one: a₀ + s·a₁ and b₀ + s·b₁.
     const auto& [a, b] = changes;
@@ -580,79 +697,120 @@ int count_focal_lines(const Light& light, const Arrival& arrival, Vec3 place) {
   return lines;
 }
 
+/// Density with which a rectangle's places are sampled, over the solid angle of the ways by which a path from the place meets
+/// them [1/sr]. As for such a path the derivatives are those of the way from the place to the lamp: where normals are
+/// interpolated, those of the way from the lamp differ by some 1e-3.
+double density_from(const Ray& ray, std::span<const SpecularVertex> chain, const RectangleLight& lamp, Vec3 start) {
+  const Frame across = frame_from_normal(ray.direction);
+  std::array<RayChange, 2> changes{RayChange{{}, across.x}, RayChange{{}, across.y}};
+  const Vec3 size = cross(lamp.edge_u, lamp.edge_v);
+  if (!retrace(reverse(chain), ray, start, normalize(size), changes)) return 0;
+  return length(cross(changes[0].place, changes[1].place)) / length(size);
+}
+
 }  // namespace
 
 Caustics find_caustics(const PathScene& scene, int rays) {
   Caustics caustics;
   const auto& lights = scene.emitters.lights();
-  if (rays <= 0 || std::all_of(lights.begin(), lights.end(), has_area)) return caustics;
+  if (rays <= 0 || lights.empty()) return caustics;
+  const bool is_all_met = std::all_of(lights.begin(), lights.end(), has_area);
   for (const Mesh& mesh : scene.scene.meshes) {
     const Material& material = scene.scene.materials[size_t(mesh.material)];
-    caustics.has_normal_map = caustics.has_normal_map || (material.normal_map && is_specular(material, scene.lines));
+    const bool is_left_out = !is_all_met && material.normal_map && is_specular(material, scene.lines);
+    caustics.has_normal_map = caustics.has_normal_map || is_left_out;
   }
   const std::vector<Target> targets = find_targets(scene);
   if (targets.empty() || scene.params.max_depth < 2) return caustics;
   caustics.lamps.resize(lights.size());
   bool is_any = false;
   for (size_t i = 0; i < lights.size(); ++i) {
-    if (has_area(lights[i])) continue;
-    const std::vector<RaySquare> cells = Cells(scene, lights[i], targets, rays).take();
-    caustics.lamps[i] = find_bundles(scene, lights[i], cells, caustics.has_long);
-    is_any = is_any || !caustics.lamps[i].bundles.empty();
+    const Origin origin{lights[i], int(i)};
+    bool has_long = false;
+    caustics.lamps[i] = find_bundles(scene, origin, targets, rays, has_long);
+    const bool has_any = !caustics.lamps[i].bundles.empty();
+    is_any = is_any || has_any;
+    // Paths find what is left out of a light with an area.
+    if (has_area(lights[i]))
+      caustics.has_rectangles = caustics.has_rectangles || has_any;
+    else
+      caustics.has_long = caustics.has_long || has_long;
   }
   if (!is_any) caustics.lamps.clear();
   return caustics;
 }
 
-std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& at, size_t number,
+std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by,
                                         int most_surfaces, bool with_phase, PathCounts& counts) {
-  const Light& light = scene.emitters.lights()[number];
-  const LampBundles& lamp = scene.caustics.lamps[number];
+  const Light& light = scene.emitters.lights()[lit_by.light];
+  const LampBundles& lamp = scene.caustics.lamps[lit_by.light];
   const Vec3 place = at.position;
+  const auto* rectangle = std::get_if<RectangleLight>(&light);
+  Origin from{light, int(lit_by.light)};
+  Vec2 on_lamp{};
+  if (rectangle) {
+    from.offset = lit_by.start - from.place();
+    on_lamp = edges_to(*rectangle, lit_by.start) - Vec2{0.5, 0.5};
+  }
   std::vector<Arrival> arrivals;
   std::vector<CausticLight> found;
   lamp.boxes.visit(place, [&](uint32_t i) {
     const LightBundle& bundle = lamp.bundles[i];
     if (int(bundle.chain.size()) > most_surfaces) return;
-    const auto guess = first_guess(bundle, place);
+    const auto guess = first_guess(bundle, place, on_lamp);
     if (!guess || largest(*guess) > bundle.limit) return;
     // The planes show the ray to a hundredth of the bundle; neighbouring bundles show the same one.
     constexpr double rough = 0.1, within = 0.3;
     const auto shown =
-        Screen(light, bundle.rays, bundle.chain, place, bundle.across.z).find(*guess, bundle.limit, rough);
-    if (!shown || is_known(arrivals, bundle, *shown, within)) return;
-    auto arrival = arrive(scene, light, bundle, place, *shown, counts);
-    if (!arrival || is_known(arrivals, bundle, arrival->ray, 1e-3)) return;
+        Screen(from, bundle.rays, bundle.chain, place, bundle.across.z).find(*guess, bundle.limit, rough);
+    if (!shown || is_known(arrivals, from, bundle, *shown, within)) return;
+    auto arrival = arrive(scene, from, bundle, place, *shown, counts);
+    if (!arrival || is_known(arrivals, from, bundle, arrival->ray, 1e-3)) return;
     const LightWay& way = arrival->way;
-    const Ray ray = ray_at(light, bundle.rays, arrival->ray.p);
+    const Ray ray = ray_at(from, bundle.rays, arrival->ray.p);
     const auto end = retrace(way.chain, ray);
     if (!end) return;
-    const auto met = Screen(light, bundle.rays, way.chain, place, end->direction).meet(arrival->ray.p);
+    const auto met = Screen(from, bundle.rays, way.chain, place, end->direction).meet(arrival->ray.p);
     const double area = met ? std::abs(determinant(met->by)) : 0;
     if (!(area > 0)) return;
     const Vec3 strength = strength_toward(light, way.chain.front().point.position);
     if (is_black(strength)) return;
     const double last = dot(place - end->place, end->direction);
     // The ray ends before the last mirror or glass, by the rounding of both places and at grazing angles by more.
-    const SurfacePoint& from = way.chain.back().point;
-    const double cosine = std::abs(dot(from.geometric_normal, end->direction));
-    const double rounding = 8 * (at.clearance + from.clearance) / std::max(cosine, least_light_cosine);
+    const SurfacePoint& from_last = way.chain.back().point;
+    const double cosine = std::abs(dot(from_last.geometric_normal, end->direction));
+    const double rounding = 8 * (at.clearance + from_last.clearance) / std::max(cosine, least_light_cosine);
     ++counts.shadow_rays;
-    if (scene.accelerator.is_occluded({scene.accelerator.leave(at, -end->direction), -end->direction}, last - rounding))
-      return;
-    const Vec3 irradiance = strength * way.weight * (density_at(light, bundle.rays, arrival->ray.p) / area);
-    CausticLight one{-end->direction, irradiance, int(way.chain.size()), 0, end->index, {}};
+    const Ray back{scene.accelerator.leave(at, -end->direction), -end->direction};
+    if (scene.accelerator.is_occluded(back, last - rounding)) return;
+    CausticLight one{back.direction, way.weight, 1, int(way.chain.size()), 0, end->index, {}};
+    if (rectangle) {
+      const double share = max_component(way.weight);
+      one.pdf = density_from({place, back.direction}, way.chain, *rectangle, lit_by.start) / share;
+      one.radiance *= rectangle->radiance * (end->index * end->index / share);
+    } else {
+      one.radiance *= strength * (density_at(from, bundle.rays, arrival->ray.p) / area);
+    }
+    if (!(one.pdf > 0)) return;
     if (with_phase) {
       const Vec3 first = way.chain.front().point.position;
       // The ray of a beam starts anywhere; its phase does not.
       one.optical_path = end->optical_path + end->index * last + laser_path(light, first).value_or(0) -
                          dot(first - ray.origin, ray.direction);
-      one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(light, *arrival, place));
+      one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(from, *arrival, place));
     }
     found.push_back(one);
     arrivals.push_back(std::move(*arrival));
   });
   return found;
+}
+
+double caustic_pdf(const PathScene& scene, const SurfacePoint& place, Vec3 direction, LampPlace met, int surfaces,
+                   int most_surfaces, PathCounts& counts) {
+  constexpr double same = 1e-4;  // [rad]; ways in the same direction are not nearer to each other
+  for (const CausticLight& way : caustic_light(scene, place, met, most_surfaces, false, counts))
+    if (way.surfaces == surfaces && length(way.direction - direction) < same) return way.pdf;
+  return 0;
 }
 
 }  // namespace holotrace

@@ -8,15 +8,16 @@
 #include "holotrace/trace/geometry/box_tree.h"
 #include "holotrace/trace/paths/specular_chain.h"
 
-// Light of lamps that no ray can meet (points, spots, beams), thrown on surfaces by mirrors and glass: caustics.
+// Light of small lamps (points, spots, beams, rectangles), thrown on surfaces by mirrors and glass: caustics.
 
 namespace holotrace {
 
 struct PathScene;
 struct PathCounts;
 
-/// A square of rays of one lamp. A ray of it has two coordinates p, q, from −1 to 1: it leaves a lamp at a point along
-/// centre + p·u + q·v, and parallel light at the place centre + p·u + q·v [m].
+/// A square of rays of one lamp. A ray of it has two coordinates p, q, from −1 to 1: it leaves a point along centre + p·u + q·v,
+/// parallel light at the place centre + p·u + q·v [m], and any place of a rectangle toward the place that is
+/// centre + p·u + q·v [m] away from the rectangle's middle.
 struct RaySquare {
   Vec3 centre, u, v;
 };
@@ -32,6 +33,9 @@ struct LightBundle {
   /// To first order, ray p is at a·(p − known) across that direction where the known ray is at `place`, and runs at an angle
   /// b·(p − known) to it. Columns: derivatives by p and q.
   std::array<Vec2, 2> a, b;
+
+  /// The same for a ray that starts elsewhere on a rectangle. Columns: derivatives by places along its two edges, in edges.
+  std::array<Vec2, 2> by_start{}, turned_by_start{};
   double limit =
       1;  ///< largest |p| and |q| at which the first order, or the chain's planes, may show a ray of this bundle
   bool is_folded = false;  ///< whether two rays of the bundle may reach the same place: the first order shows neither
@@ -48,28 +52,38 @@ struct Caustics {
   std::vector<LampBundles> lamps;  ///< of each light of the scene; empty if none has any bundles
   bool has_normal_map = false;     ///< whether light by a mirror or glass with a normal map was left out
   bool has_long = false;           ///< whether light by more than most_chained surfaces was left out
+  bool has_rectangles = false;     ///< whether a rectangle has bundles, so that such light is found in two ways
 
   bool is_empty() const { return lamps.empty(); }
 };
 
 inline constexpr int most_chained = 12;  ///< mirrors and glass surfaces between a lamp and the surface that it lights
 
-/// Sends rays from all lamps that no ray can meet toward the meshes that reflect as mirrors do or refract, and follows all
-/// reflections and refractions to the surfaces that scatter. Empty if there are no such lamps or meshes.
+/// Sends rays from all small lamps toward the meshes that reflect as mirrors do or refract, and follows all reflections and
+/// refractions to the surfaces that scatter. Empty if there are no such lamps or meshes. A rectangle is a small lamp for
+/// surfaces that are twice its diagonal away, or more.
 ///
-/// Chains that DirectLight finds without help are left out: straight through panes, and by one flat mirror.
+/// Chains that DirectLight finds without help are left out: for lamps that no ray can meet, straight through panes, and by one
+/// flat mirror.
 ///
 /// @param rays  number of rays from each lamp, about; 0: no caustics
 Caustics find_caustics(const PathScene& scene, int rays);
 
 /// Light of one lamp that reaches a place by one chain of mirrors and glass.
 struct CausticLight {
-  Vec3 direction;           ///< unit, from the place toward the last surface of the chain
-  Vec3 irradiance;          ///< across that direction, at the lines [W/m²]
-  int surfaces = 0;         ///< mirrors and glass surfaces on the way
+  Vec3 direction;    ///< unit, from the place toward the last surface of the chain
+  Vec3 radiance;     ///< of a rectangle, at the lines [W/m²/sr]; else the irradiance across the direction [W/m²]
+  double pdf = 1;    ///< of a rectangle, see below [1/sr]; else 1
+  int surfaces = 0;  ///< mirrors and glass surfaces on the way
   double optical_path = 0;  ///< Σ n·d from the lamp to the place; for a beam, from the plane through its position [m]
   double index = 1;         ///< refractive index of the medium at the place
   Vec3 phase;               ///< that the surfaces add at the lines [rad], and −π/2 for each focal line on the way
+};
+
+/// A light of the scene, and a place of it if it has an area.
+struct LampPlace {
+  size_t light;  ///< index into Scene::lights
+  Vec3 start{};  ///< the place of a rectangle from which light comes [m]
 };
 
 /// All light that a lamp throws on a place by mirrors and glass; what lies in its way hides it.
@@ -87,13 +101,27 @@ struct CausticLight {
 /// The bundles decide which images are found, but not how bright they are: there is no blur and no noise. Images fainter than
 /// a thousandth of the lamp, as far away, are left out, and so are chains of less than a thousandth of its light.
 ///
+/// Rectangles are sampled at one place each. Paths meet them as well, and the two share the light (add_radiance, path.h). A
+/// place of density 1/A has this density over the solid angle dω at x, divided by the share of light that the chain lets pass,
+/// which is about the share of paths that take it:
+///
+///     pdf = dA/dω / A / max(Πᵢ Tᵢ).
+///
+/// Light on x from the rectangle is then f·cosθ·radiance/pdf·w with the weight w of DirectLight. Images that are not found are
+/// left to paths alone (caustic_pdf), so nothing is missed or counted twice.
+///
 /// @param most_surfaces  longer chains are left out
 /// @param with_phase     whether optical_path and phase are needed
 ///
 /// Cost: 10 to 20 µs where caustics lie.
 /// Reference: W. Jakob and S. Marschner, Manifold Exploration, ACM Trans. Graph. 31(4), 2012, for Newton's method on chains;
 /// D. Mitchell and P. Hanrahan, Illumination from Curved Reflectors, SIGGRAPH 1992, for the light of the images.
-std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& place, size_t light,
+std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& place, LampPlace lit_by,
                                         int most_surfaces, bool with_phase, PathCounts& counts);
+
+/// The pdf of the light that a path has found: it left the place in that direction, and met the rectangle by a number of mirrors
+/// and glass surfaces. 0 if caustic_light does not find it, with the same most_surfaces.
+double caustic_pdf(const PathScene& scene, const SurfacePoint& place, Vec3 direction, LampPlace met, int surfaces,
+                   int most_surfaces, PathCounts& counts);
 
 }  // namespace holotrace

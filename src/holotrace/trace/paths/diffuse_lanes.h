@@ -5,6 +5,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/shared/lanes.h"
+#include "holotrace/trace/shared/ray.h"
 
 // What paths do on diffuse surfaces that only reflect, for up to most_together of them in vector lanes. Of all arrays, the
 // first `count` numbers are used.
@@ -18,6 +19,16 @@ struct DiffuseSurfaces {
   LaneVectors start;                     ///< where rays leave it (Accelerator::leave) [m]
   LaneVectors normal, geometric_normal;  ///< as of SurfacePoint
   Lane clearance;                        ///< as of SurfacePoint [m]
+
+  /// The surface of one path. Its other members are not known.
+  SurfacePoint point(size_t i) const {
+    SurfacePoint point;
+    point.position = position[i];
+    point.normal = normal[i];
+    point.geometric_normal = geometric_normal[i];
+    point.clearance = clearance[i];
+    return point;
+  }
 };
 
 /// Samples of a light, as sample_light, eval, pdf and the shadow ray of direct_light.h are for one path.

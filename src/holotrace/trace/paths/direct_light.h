@@ -69,15 +69,19 @@ class DirectLight {
     for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
       if (!light.is_shared) {
         add_unmet(bsdf, at, light, sample(at.point.position, {}), weight);
-        return add_caustics(bsdf, at, light, weight);
+        return add_caustics(bsdf, at, light, {}, weight);
       }
-      const LightSample way = sample(at.point.position, numbers.two());
+      const Vec2 u = numbers.two();
+      const LightSample way = sample(at.point.position, u);
       if (const auto reflected = reflect(bsdf, at, way, true, weight)) add_if_visible(at, way, light, *reflected);
+      // Every fourth path looks for caustics: the numbers below 1/4 also say where on the light.
+      if (u.x < 0.25) add_caustics(bsdf, at, light, {4 * u.x, u.y}, 4 * weight);
     });
   }
 
   /// The sum of `add` with weight 1 over paths 0 … paths − 1 of the numbers, which reach the same surface and begin
-  /// there. Shadow rays are traced together; one is enough for a light that always lies in the same direction.
+  /// there. Shadow rays are traced together; one is enough for a light that always lies in the same direction. An eighth of the
+  /// paths looks for the caustics of rectangles, and counts for all.
   /// @return  number of dimensions that `add` takes of each path
   template <class B>
   int add_for_paths(const B& bsdf, const PathVertex& at, int paths, LowDiscrepancy& numbers) {
@@ -88,9 +92,17 @@ class DirectLight {
     for_each_light(at.depth, [&](const SampledLight& light, const auto& sample) {
       if (!light.is_shared) {
         add_unmet(bsdf, at, light, sample(at.point.position, {}), paths);
-        return add_caustics(bsdf, at, light, paths);
+        return add_caustics(bsdf, at, light, {}, paths);
       }
       const int dimension = taken++;
+      if (has_caustics(at, light)) {
+        const int chosen = (paths + 7) / 8;
+        for (int path = 0; path < chosen; ++path) {
+          numbers.start(uint32_t(path));
+          numbers.skip(dimension);
+          add_caustics(bsdf, at, light, numbers.two(), double(paths) / chosen);
+        }
+      }
       if (const auto* surface = reflector(bsdf); surface && fits_lanes(light))
         return add_lanes_at(*surface, at, light, {paths, dimension}, numbers);
       for (int path = 0; path < paths; ++path) {
@@ -130,25 +142,26 @@ class DirectLight {
         const uint32_t path = paths.number[i];
         return light.is_shared ? Vec2{places.x[path] * 0x1p-32, places.y[path] * 0x1p-32} : Vec2{};
       };
-      if (fits_lanes(light)) return add_lanes(paths, light, place_of, are_near);
+      const bool is_in_lanes = fits_lanes(light), has_caustics = light.light && !scene_.caustics.is_empty();
+      if (is_in_lanes) add_lanes(paths, light, place_of, are_near);
+      if (is_in_lanes && !has_caustics) return;
       double chosen = first;
       for (size_t i = 0; i < count; ++i) {
-        SurfacePoint point;
-        point.position = surfaces.position[i];
-        point.normal = surfaces.normal[i];
-        point.geometric_normal = surfaces.geometric_normal[i];
-        point.clearance = surfaces.clearance[i];
+        const bool is_chosen = has_caustics && i == size_t(chosen);
+        if (is_in_lanes && !is_chosen) continue;
+        const SurfacePoint point = surfaces.point(i);
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
         const PathVertex at{point, {}, state, depth, aim};
-        const LightSample way = sample(point.position, place_of(i));
+        const Vec2 u = place_of(i);
         if (!light.is_shared) {
-          add_unmet(bsdf, at, light, way, 1);
-          if (i != size_t(chosen)) continue;
-          add_caustics(bsdf, at, light, apart);
-          chosen += apart;
-        } else if (const auto reflected = reflect(bsdf, at, way, true, 1)) {
-          add_if_visible(at, way, light, *reflected);
+          add_unmet(bsdf, at, light, sample(point.position, u), 1);
+        } else if (!is_in_lanes) {
+          const LightSample way = sample(point.position, u);
+          if (const auto reflected = reflect(bsdf, at, way, true, 1)) add_if_visible(at, way, light, *reflected);
         }
+        if (!is_chosen) continue;
+        add_caustics(bsdf, at, light, u, apart);
+        chosen += apart;
       }
     });
     return taken;
@@ -207,15 +220,23 @@ class DirectLight {
     }
   }
 
-  /// Adds the light of such a light that comes by curved mirrors, glass and several flat mirrors.
+  /// Whether a light may come by mirrors and glass that caustic_light finds.
+  bool has_caustics(const PathVertex& at, const SampledLight& light) const {
+    return !scene_.caustics.is_empty() && light.light && at.depth < scene_.params.max_depth;
+  }
+
+  /// Adds the light that comes by curved mirrors, glass and several flat mirrors; from the place u of a light with an area.
   template <class B>
-  void add_caustics(const B& bsdf, const PathVertex& at, const SampledLight& light, double weight) {
-    if (scene_.caustics.is_empty() || !light.light || at.depth >= scene_.params.max_depth) return;
-    const auto ways = caustic_light(scene_, at.point, size_t(light.group), scene_.params.max_depth - at.depth,
-                                    Sink::follows_phase, counts_);
+  void add_caustics(const B& bsdf, const PathVertex& at, const SampledLight& light, Vec2 u, double weight) {
+    if (!has_caustics(at, light)) return;
+    const auto* rectangle = std::get_if<RectangleLight>(light.light);
+    const LampPlace lit_by{size_t(light.group), rectangle ? place_on(*rectangle, u) : Vec3{}};
+    const auto ways =
+        caustic_light(scene_, at.point, lit_by, scene_.params.max_depth - at.depth, Sink::follows_phase, counts_);
     for (size_t i = 0; i < ways.size(); ++i) {
       const CausticLight& way = ways[i];
-      const auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.irradiance}, false, weight);
+      const auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.radiance, .pdf = way.pdf},
+                                     Arrival{light.is_shared, true}, weight);
       if (!reflected) continue;
       add_behind(way.surfaces, light.group, *reflected);
       if constexpr (Sink::follows_phase) {
@@ -273,17 +294,27 @@ class DirectLight {
   template <class B>
   std::optional<Reflected> reflect(const B& bsdf, const PathVertex& at, const LightSample& way, bool is_shared,
                                    double weight) const {
+    return reflect(bsdf, at, way, {is_shared, passes_mirrors() && !is_shared}, weight);
+  }
+
+  struct Arrival {
+    bool is_shared;       ///< with paths that meet the light
+    bool passes_mirrors;  ///< it may come by mirrors or glass: path groups that do not accept light here may accept it
+  };
+  template <class B>
+  std::optional<Reflected> reflect(const B& bsdf, const PathVertex& at, const LightSample& way, Arrival arrival,
+                                   double weight) const {
     if (is_black(way.radiance) || !(way.pdf < most_light_density)) return std::nullopt;
     const auto of_lobe = [&](Lobe lobe) {
       const Vec3 f = eval(bsdf, at.outgoing, way.direction, lobe);
       if (is_black(f)) return Vec3{};
       // The weight over the density, p/(p² + p′²), without a separate division.
-      const double other = is_shared ? pdf(bsdf, at.outgoing, way.direction, lobe) : 0;
+      const double other = arrival.is_shared ? pdf(bsdf, at.outgoing, way.direction, lobe) : 0;
       return at.throughput * f * way.radiance * (weight * way.pdf / (way.pdf * way.pdf + other * other));
     };
-    const bool has_more = passes_mirrors() && !is_shared;
-    const Reflected light{diffuse_path_groups_ || (has_more && diffuse_state_) ? of_lobe(Lobe::diffuse) : Vec3{},
-                          glossy_path_groups_ || (has_more && glossy_state_) ? of_lobe(Lobe::glossy) : Vec3{}};
+    const bool is_behind = arrival.passes_mirrors;
+    const Reflected light{diffuse_path_groups_ || (is_behind && diffuse_state_) ? of_lobe(Lobe::diffuse) : Vec3{},
+                          glossy_path_groups_ || (is_behind && glossy_state_) ? of_lobe(Lobe::glossy) : Vec3{}};
     if (is_black(light.diffuse) && is_black(light.glossy)) return std::nullopt;
     return light;
   }

@@ -125,7 +125,8 @@ class GroupWalk {
       }
       const Ray ray{paths_.surfaces.start[i], next.direction[i]};
       // Paths that stay take the places of paths that have left.
-      if (walk_.leave_diffuse({state_, depth_, throughput * (1 / goes_on), choice < share}, ray, next.pdf[i]))
+      if (walk_.leave_diffuse({state_, depth_, throughput * (1 / goes_on), choice < share, paths_.surfaces, i}, ray,
+                              next.pdf[i]))
         put(path);
     }
     state_ = scene_.automaton.step(state_, PathEvent::diffuse);

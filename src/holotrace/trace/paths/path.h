@@ -64,7 +64,9 @@ struct PathStart {
 /// background and all light that arrives by a specular branch or at the first hit, is only met by the path (w = 1).
 ///
 /// Thin panes do not hide sampled lights: each transmits 1 − 2R/(1 + R) of their light straight on, and counts as a
-/// surface and an S of the path. Points, spots and parallel light also arrive by mirrors and solid glass (caustics.h).
+/// surface and an S of the path. Points, spots, parallel light and small rectangles also arrive by mirrors and solid glass
+/// (caustics.h). Paths meet rectangles that way, too; the same heuristic weights both, with the density with which the path
+/// left the surface before the mirrors and glass.
 ///
 /// With PathParams::asks_at_end, lights are sampled only at the surface at which roulette ends the path (the paper's
 /// Steps 3 and 4), and their light is divided by the probability of that end. The mean is the same, with fewer shadow

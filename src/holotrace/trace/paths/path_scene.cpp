@@ -42,17 +42,29 @@ bool reflects(const Material& material, const Lines& lines) {
                      [](const BsdfSample& way) { return !way.is_transmission; });
 }
 
-// The planes of a mesh; none if it is curved.
+Vec3 across(const Mesh& mesh, const std::array<uint32_t, 3>& triangle) {
+  const Vec3 a = mesh.positions[triangle[0]];
+  return cross(mesh.positions[triangle[1]] - a, mesh.positions[triangle[2]] - a);
+}
+
+bool is_smooth(const Mesh& mesh) {
+  return !mesh.normals.empty() && std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& triangle) {
+    const Vec3 side = across(mesh, triangle);
+    const double size = length(side);
+    return size > 0 && std::any_of(triangle.begin(), triangle.end(), [&](uint32_t corner) {
+             return std::abs(dot(normalize(mesh.normals[corner]), side)) < size * (1 - same_direction);
+           });
+  });
+}
+
+// The planes of a mesh; none if it has too many.
 std::optional<std::vector<FlatMirror>> planes_of(const Mesh& mesh, uint32_t index) {
   std::vector<FlatMirror> planes;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 a = mesh.positions[i], across = cross(mesh.positions[j] - a, mesh.positions[k] - a);
-    const double size = length(across);
+  for (const auto& triangle : mesh.triangles) {
+    const Vec3 a = mesh.positions[triangle[0]], side = across(mesh, triangle);
+    const double size = length(side);
     if (!(size > 0)) continue;
-    const Vec3 normal = across / size;
-    if (!mesh.normals.empty())
-      for (const uint32_t corner : {i, j, k})
-        if (std::abs(dot(normalize(mesh.normals[corner]), normal)) < 1 - same_direction) return std::nullopt;
+    const Vec3 normal = side / size;
     const double near = 1e-6 * std::sqrt(size);
     const bool is_known = std::any_of(planes.begin(), planes.end(), [&](const FlatMirror& plane) {
       return std::abs(dot(plane.normal, normal)) > 1 - same_direction && std::abs(dot(a - plane.place, normal)) <= near;
@@ -71,13 +83,15 @@ bool FlatMirror::holds(const SurfacePoint& point) const {
          std::abs(dot(point.position - place, normal)) <= 8 * point.clearance;
 }
 
+bool is_faceted(const Mesh& mesh) { return !is_smooth(mesh) && !planes_of(mesh, 0); }
+
 std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines) {
   std::vector<FlatMirror> mirrors;
   if (std::all_of(lights.begin(), lights.end(), has_area)) return mirrors;
   for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     const Material& material = scene.materials[size_t(mesh.material)];
-    if (mesh.triangles.empty() || material.normal_map || !reflects(material, lines)) continue;
+    if (mesh.triangles.empty() || material.normal_map || !reflects(material, lines) || is_smooth(mesh)) continue;
     if (auto planes = planes_of(mesh, m)) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors));
   }
   for (FlatMirror& mirror : mirrors)

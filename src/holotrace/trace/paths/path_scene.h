@@ -35,6 +35,9 @@ struct MirrorOnWay {
 /// smooth normals or a normal map, count as curved and have none.
 std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines);
 
+/// Whether a mesh without smooth normals has more planes than that: it is curved, of flat facets.
+bool is_faceted(const Mesh& mesh);
+
 /// Which light paths are followed, and how far.
 struct PathParams {
   int max_depth = 8;             ///< surfaces on a path

@@ -82,6 +82,8 @@ class PathWalk {
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
       if (!next) return;
       if constexpr (Sink::follows_phase) sink_.scatter(point_, *next);
+      if (scene_.caustics.has_rectangles && next->lobe != Lobe::specular)
+        scattered_ = {point_, next->direction, next->pdf, depth_};
       if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) return;
     }
   }
@@ -100,11 +102,14 @@ class PathWalk {
     int depth;
     Vec3 throughput;
     bool is_counted;  ///< see is_counted_
+    const DiffuseSurfaces& surfaces;
+    size_t number;  ///< of its surface among them
   };
 
   /// Continues a path: it leaves a surface along a ray drawn with density `pdf` [1/sr]. False if the path ends before another
   /// surface.
   bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf) {
+    if (scene_.caustics.has_rectangles) scattered_ = {path.surfaces.point(path.number), ray.direction, pdf, path.depth};
     state_ = path.state;
     depth_ = path.depth;
     throughput_ = path.throughput;
@@ -141,7 +146,8 @@ class PathWalk {
       const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(i)]);
       const auto met = meet(light, ray);
       if (!met || met->distance >= distance) continue;
-      add_met(path_groups, i, throughput * light.radiance * (pdf > 0 ? shared_weight(pdf, met->pdf) : 1));
+      const double weight = pdf > 0 ? shared_weight(pdf, met->pdf) : weight_by_mirrors(i, ray, met->distance);
+      add_met(path_groups, i, throughput * light.radiance * weight);
     }
     if (distance < std::numeric_limits<double>::infinity()) return;
     Vec3 radiance = emitters_.even_background();
@@ -160,6 +166,7 @@ class PathWalk {
     throughput_ = {1, 1, 1};
     scale_ = 1;
     pdf_ = distance_ = 0;
+    scattered_.pdf = 0;
     is_counted_ = true;
   }
 
@@ -197,8 +204,19 @@ class PathWalk {
     if (!path_groups || !point_.is_front) return;
     const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
     const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
-    add_met(path_groups, point_.light,
-            throughput_ * light.radiance * (pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine)) : 1));
+    const double weight = pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine))
+                                   : weight_by_mirrors(point_.light, {point_.position, -outgoing_}, 0);
+    add_met(path_groups, point_.light, throughput_ * light.radiance * weight);
+  }
+
+  /// The weight of the light of a rectangle that the path has met by mirrors and glass, at a distance along a ray: DirectLight
+  /// has sampled it as well, at the last surface from which the path went in a random direction.
+  double weight_by_mirrors(int light, const Ray& ray, double distance) {
+    if (!(scattered_.pdf > 0)) return 1;
+    const LampPlace met{size_t(light), ray.origin + ray.direction * distance};
+    const double pdf = caustic_pdf(scene_, scattered_.point, scattered_.direction, met, depth_ - scattered_.depth,
+                                   scene_.params.max_depth - scattered_.depth, counts_);
+    return shared_weight(scattered_.pdf, pdf);
   }
 
   /// Samples the lights, and draws how the path continues; no result if it ends.
@@ -291,8 +309,17 @@ class PathWalk {
   int depth_ = 1;
   double scale_ = 1;               // factor of the throughput from refractive indices
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
-  bool is_counted_ = true;         // whether the path counts as cut after the last surface, in proportion to its light
-  Aim aim_ = Aim::exact;           // how the point was found
+
+  /// The last surface from which the path went in a random direction, if rectangles have caustics.
+  struct Scattered {
+    SurfacePoint point;
+    Vec3 direction;
+    double pdf = 0;  // [1/sr]; 0: none
+    int depth = 0;
+  };
+  Scattered scattered_;
+  bool is_counted_ = true;  // whether the path counts as cut after the last surface, in proportion to its light
+  Aim aim_ = Aim::exact;    // how the point was found
   DirectLight<Sink> direct_light_;
   const CommonStart* common_ = nullptr;
 };

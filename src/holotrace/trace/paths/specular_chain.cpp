@@ -1,6 +1,7 @@
 #include "holotrace/trace/paths/specular_chain.h"
 
 #include <cmath>
+#include <utility>
 
 #include "holotrace/trace/materials/bsdf.h"
 
@@ -95,6 +96,18 @@ SpecularVertex specular_vertex(const Scene& scene, const SurfacePoint& point, Ve
       {}};
   set_bend(scene.meshes[point.mesh], vertex);
   return vertex;
+}
+
+std::vector<SpecularVertex> reverse(std::span<const SpecularVertex> chain) {
+  std::vector<SpecularVertex> back(chain.rbegin(), chain.rend());
+  for (SpecularVertex& vertex : back)
+    if (vertex.is_transmission) {
+      vertex.normal = -vertex.normal;
+      vertex.bend_u = -vertex.bend_u;
+      vertex.bend_v = -vertex.bend_v;
+      std::swap(vertex.near, vertex.far);
+    }
+  return back;
 }
 
 std::optional<RayEnd> retrace(std::span<const SpecularVertex> chain, const Ray& ray, std::span<RayChange> changes) {

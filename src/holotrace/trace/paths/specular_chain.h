@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/materials/lobe.h"
@@ -29,6 +30,9 @@ struct SpecularVertex {
 /// @param index  refractive index of the medium that the ray comes through
 SpecularVertex specular_vertex(const Scene& scene, const SurfacePoint& point, Vec3 direction, const BsdfSample& branch,
                                double index, const Lines& lines);
+
+/// The chain of a ray that comes back the same way.
+std::vector<SpecularVertex> reverse(std::span<const SpecularVertex> chain);
 
 /// A ray at the end of a chain, from geometry alone.
 struct RayEnd {
