@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -83,10 +84,11 @@ Vec3 strength_toward(const Light& light, Vec3 place) {
 
 /// Light on its way from a lamp.
 struct LightWay {
-  Ray ray;               // starts off the surface that it leaves
-  double index = 1;      // of the medium that it is in
-  Vec3 weight{1, 1, 1};  // share of the power
-  Vec3 phase{};          // [rad]
+  Ray ray;                   // starts off the surface that it leaves
+  double index = 1;          // of the medium that it is in
+  Vec3 weight{1, 1, 1};      // share of the power
+  double squared_index = 1;  // (n here over n at the lamp)²: radiance grows by it
+  Vec3 phase{};              // [rad]
   std::vector<SpecularVertex> chain{};
 };
 
@@ -109,6 +111,7 @@ void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, c
   way.index = way.chain.back().index_after();
   // The weight of a branch is that of radiance; n² of it is not power.
   way.weight *= branch.weight / branch.squared_index_ratio;
+  way.squared_index /= branch.squared_index_ratio;
   way.phase += branch.phase;
   way.ray = {scene.accelerator.leave(point, branch.direction), branch.direction};
 }
@@ -277,20 +280,11 @@ struct Target {
   Vec3 centre;
   double radius;
   size_t mesh;
+  bool is_faceted;
 };
 
 /// A rectangle is a small lamp for a surface whose distance is half of its diagonal times this.
 constexpr double least_distance = 4;
-
-/// The meshes by which light of a lamp is looked for, as true by their numbers. From a rectangle, places see a different part of
-/// it by each flat facet: paths find that as fast.
-std::vector<char> useful_meshes(const Scene& scene, const Light& light) {
-  std::vector<char> useful(scene.meshes.size(), true);
-  if (has_area(light))
-    std::transform(scene.meshes.begin(), scene.meshes.end(), useful.begin(),
-                   [](const Mesh& mesh) { return !is_faceted(mesh); });
-  return useful;
-}
 
 double half_diagonal(const RectangleLight& lamp) {
   return 0.5 * std::max(length(lamp.edge_u + lamp.edge_v), length(lamp.edge_u - lamp.edge_v));
@@ -303,6 +297,8 @@ bool is_specular(const Material& material, const Lines& lines) {
 }
 
 std::vector<Target> find_targets(const PathScene& scene) {
+  const auto& lights = scene.emitters.lights();
+  const bool has_rectangles = std::any_of(lights.begin(), lights.end(), has_area);
   std::vector<Target> targets;
   for (size_t m = 0; m < scene.scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.scene.meshes[m];
@@ -311,7 +307,7 @@ std::vector<Target> find_targets(const PathScene& scene) {
     Box box;
     for (const auto& triangle : mesh.triangles)
       for (const uint32_t corner : triangle) box.include(mesh.positions[corner]);
-    targets.push_back({box.centre(), 0.5 * length(box.high - box.low), m});
+    targets.push_back({box.centre(), 0.5 * length(box.high - box.low), m, has_rectangles && is_faceted(mesh)});
   }
   return targets;
 }
@@ -355,7 +351,8 @@ class Cells {
     const Vec3 way = target.centre - origin_.place();
     const double distance = length(way);
     const double of_target = distance > target.radius ? std::asin(target.radius / distance) : pi;
-    const double of_lamp = origin_.rectangle() ? half_diagonal(*origin_.rectangle()) / distance : 0;
+    const double of_lamp =
+        origin_.rectangle() ? half_diagonal(*origin_.rectangle()) / std::max(distance, target.radius) : 0;
     return {angle_between(way, cell.centre), of_target, std::asin(std::min(1.0, half / length(cell.centre))), of_lamp};
   }
 
@@ -432,8 +429,9 @@ std::optional<Vec2> first_guess(const LightBundle& bundle, Vec3 place, Vec2 on_l
 /// Makes the bundles of a lamp: cell by cell, smaller where its rays do not all meet the same surfaces or spread unevenly.
 class BundleMaker {
  public:
-  BundleMaker(const PathScene& scene, const Origin& origin, const std::vector<char>& useful_meshes)
-      : scene_(scene), origin_(origin), useful_meshes_(useful_meshes) {}
+  /// @param useful  of each mesh, whether light by it is looked for
+  BundleMaker(const PathScene& scene, const Origin& origin, const std::vector<char>& useful)
+      : scene_(scene), origin_(origin), useful_(useful) {}
 
   void add(const RaySquare& cell, int level = 0) {
     std::array<std::vector<Landing>, 5> landings;
@@ -483,7 +481,7 @@ class BundleMaker {
       if (is_black(strength_toward(origin_.light, landing.way.chain[0].point.position))) return;
       if (is_found_anyway(scene_, origin_.light, landing.way.chain)) return;
       if (!std::all_of(landing.way.chain.begin(), landing.way.chain.end(),
-                       [&](const SpecularVertex& vertex) { return useful_meshes_[vertex.point.mesh]; }))
+                       [&](const SpecularVertex& vertex) { return useful_[vertex.point.mesh]; }))
         return;
       landings.push_back(std::move(landing));
     });
@@ -600,19 +598,24 @@ class BundleMaker {
 
   const PathScene& scene_;
   Origin origin_;
-  const std::vector<char>& useful_meshes_;
+  const std::vector<char>& useful_;
   std::vector<FoundBundle> found_;
   bool is_cut_ = false;
 };
 
 LampBundles find_bundles(const PathScene& scene, const Origin& origin, const std::vector<Target>& all_targets, int rays,
                          bool& is_cut) {
-  const std::vector<char> useful = useful_meshes(scene.scene, origin.light);
-  const double least = origin.rectangle() ? least_distance * half_diagonal(*origin.rectangle()) : 0;
+  // From a rectangle, places see another part of it by each flat facet of a mesh: paths find that as fast.
+  const RectangleLight* rectangle = origin.rectangle();
+  std::vector<char> useful(scene.scene.meshes.size(), true);
   std::vector<Target> targets;
-  for (const Target& target : all_targets)
-    if (useful[target.mesh] && (least == 0 || length(target.centre - origin.place()) + target.radius > least))
+  for (const Target& target : all_targets) {
+    const bool is_useful = !rectangle || !target.is_faceted;
+    useful[target.mesh] = is_useful;
+    if (is_useful && (!rectangle || length(target.centre - origin.place()) + target.radius >
+                                        least_distance * half_diagonal(*rectangle)))
       targets.push_back(target);
+  }
   if (targets.empty()) return {};
   const std::vector<RaySquare> cells = Cells(scene, origin, targets, rays).take();
   std::vector<BundleMaker> makers(cells.size(), BundleMaker(scene, origin, useful));
@@ -639,17 +642,19 @@ struct Arrival {
   LightWay way;
 };
 
-/// Whether a ray of a bundle is one that has been found, up to a part of the bundle's width.
+/// Whether a ray of a bundle is one that has been found, up to a part of the bundles' width.
 bool is_known(const std::vector<Arrival>& arrivals, const Origin& from, const LightBundle& bundle,
               const Screen::Found& ray, double within) {
-  const auto start = [&](const LightBundle& b, const Screen::Found& r) { return way_at(from, b.rays, r.p); };
+  // Bundles have squares at different distances: ways are compared by their directions.
+  const auto scale = [&](Vec3 way) { return from.is_beam() ? 1 : 1 / length(way); };
+  const Vec3 way = way_at(from, bundle.rays, ray.p);
+  const double width = length(bundle.rays.u) * scale(way);
   return std::any_of(arrivals.begin(), arrivals.end(), [&](const Arrival& other) {
     // On both sides of a fold two rays that are close to each other reach the place.
     if (other.ray.is_mirrored != ray.is_mirrored || !is_same_way(other.way.chain, bundle.chain)) return false;
-    const Vec3 s = start(bundle, ray), t = start(*other.bundle, other.ray);
-    // Squares on two faces of the cube may touch: directions are compared without their lengths.
-    const double scale = dot(s, s) > 0 ? dot(s, t) / dot(s, s) : 1;
-    return length(t - s * scale) < within * length(bundle.rays.u);
+    const Vec3 known = way_at(from, other.bundle->rays, other.ray.p);
+    const double narrower = std::min(width, length(other.bundle->rays.u) * scale(known));
+    return length(known * scale(known) - way * scale(way)) < within * narrower;
   });
 }
 
@@ -708,40 +713,10 @@ double density_from(const Ray& ray, std::span<const SpecularVertex> chain, const
   return length(cross(changes[0].place, changes[1].place)) / length(size);
 }
 
-}  // namespace
-
-Caustics find_caustics(const PathScene& scene, int rays) {
-  Caustics caustics;
-  const auto& lights = scene.emitters.lights();
-  if (rays <= 0 || lights.empty()) return caustics;
-  const bool is_all_met = std::all_of(lights.begin(), lights.end(), has_area);
-  for (const Mesh& mesh : scene.scene.meshes) {
-    const Material& material = scene.scene.materials[size_t(mesh.material)];
-    const bool is_left_out = !is_all_met && material.normal_map && is_specular(material, scene.lines);
-    caustics.has_normal_map = caustics.has_normal_map || is_left_out;
-  }
-  const std::vector<Target> targets = find_targets(scene);
-  if (targets.empty() || scene.params.max_depth < 2) return caustics;
-  caustics.lamps.resize(lights.size());
-  bool is_any = false;
-  for (size_t i = 0; i < lights.size(); ++i) {
-    const Origin origin{lights[i], int(i)};
-    bool has_long = false;
-    caustics.lamps[i] = find_bundles(scene, origin, targets, rays, has_long);
-    const bool has_any = !caustics.lamps[i].bundles.empty();
-    is_any = is_any || has_any;
-    // Paths find what is left out of a light with an area.
-    if (has_area(lights[i]))
-      caustics.has_rectangles = caustics.has_rectangles || has_any;
-    else
-      caustics.has_long = caustics.has_long || has_long;
-  }
-  if (!is_any) caustics.lamps.clear();
-  return caustics;
-}
-
-std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by,
-                                        int most_surfaces, bool with_phase, PathCounts& counts) {
+/// Calls add(light, chain) for each light of caustic_light.
+template <class Add>
+void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by, int most_surfaces, bool with_phase,
+                PathCounts& counts, const Add& add) {
   const Light& light = scene.emitters.lights()[lit_by.light];
   const LampBundles& lamp = scene.caustics.lamps[lit_by.light];
   const Vec3 place = at.position;
@@ -753,7 +728,6 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
     on_lamp = edges_to(*rectangle, lit_by.start) - Vec2{0.5, 0.5};
   }
   std::vector<Arrival> arrivals;
-  std::vector<CausticLight> found;
   lamp.boxes.visit(place, [&](uint32_t i) {
     const LightBundle& bundle = lamp.bundles[i];
     if (int(bundle.chain.size()) > most_surfaces) return;
@@ -787,7 +761,7 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
     if (rectangle) {
       const double share = max_component(way.weight);
       one.pdf = density_from({place, back.direction}, way.chain, *rectangle, lit_by.start) / share;
-      one.radiance *= rectangle->radiance * (end->index * end->index / share);
+      one.radiance *= rectangle->radiance * (way.squared_index / share);
     } else {
       one.radiance *= strength * (density_at(from, bundle.rays, arrival->ray.p) / area);
     }
@@ -799,18 +773,75 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
                          dot(first - ray.origin, ray.direction);
       one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(from, *arrival, place));
     }
-    found.push_back(one);
+    add(one, way.chain);
     arrivals.push_back(std::move(*arrival));
   });
+}
+
+}  // namespace
+
+Caustics find_caustics(const PathScene& scene, int rays) {
+  Caustics caustics;
+  const auto& lights = scene.emitters.lights();
+  if (rays <= 0 || lights.empty()) return caustics;
+  const bool is_all_met = std::all_of(lights.begin(), lights.end(), has_area);
+  for (const Mesh& mesh : scene.scene.meshes) {
+    const Material& material = scene.scene.materials[size_t(mesh.material)];
+    const bool is_left_out = !is_all_met && material.normal_map && is_specular(material, scene.lines);
+    caustics.has_normal_map = caustics.has_normal_map || is_left_out;
+  }
+  const std::vector<Target> targets = find_targets(scene);
+  if (targets.empty() || scene.params.max_depth < 2) return caustics;
+  caustics.lamps.resize(lights.size());
+  // Many rectangles share the rays of some.
+  constexpr double most_rectangles = 8;
+  const double rectangles = double(std::count_if(lights.begin(), lights.end(), has_area));
+  const int rays_of_rectangle = int(std::ceil(rays * std::min(1.0, most_rectangles / std::max(1.0, rectangles))));
+  bool is_any = false;
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const Origin origin{lights[i], int(i)};
+    bool has_long = false;
+    caustics.lamps[i] = find_bundles(scene, origin, targets, has_area(lights[i]) ? rays_of_rectangle : rays, has_long);
+    const bool has_any = !caustics.lamps[i].bundles.empty();
+    is_any = is_any || has_any;
+    // Paths find what is left out of a light with an area.
+    if (has_area(lights[i]))
+      caustics.has_rectangles = caustics.has_rectangles || has_any;
+    else
+      caustics.has_long = caustics.has_long || has_long;
+  }
+  if (!is_any) caustics.lamps.clear();
+  return caustics;
+}
+
+std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& place, LampPlace lit_by,
+                                        int most_surfaces, bool with_phase, PathCounts& counts) {
+  std::vector<CausticLight> found;
+  find_light(scene, place, lit_by, most_surfaces, with_phase, counts,
+             [&](const CausticLight& light, const std::vector<SpecularVertex>&) { found.push_back(light); });
   return found;
 }
 
 double caustic_pdf(const PathScene& scene, const SurfacePoint& place, Vec3 direction, LampPlace met, int surfaces,
                    int most_surfaces, PathCounts& counts) {
-  constexpr double same = 1e-4;  // [rad]; ways in the same direction are not nearer to each other
-  for (const CausticLight& way : caustic_light(scene, place, met, most_surfaces, false, counts))
-    if (way.surfaces == surfaces && length(way.direction - direction) < same) return way.pdf;
-  return 0;
+  const auto& lamp = std::get<RectangleLight>(scene.emitters.lights()[met.light]);
+  const Vec3 normal = normalize(cross(lamp.edge_u, lamp.edge_v));
+  double nearest = std::numeric_limits<double>::infinity(), pdf = 0;
+  find_light(scene, place, met, most_surfaces, false, counts,
+             [&](const CausticLight& light, const std::vector<SpecularVertex>& chain) {
+               if (light.surfaces != surfaces) return;
+               const auto end = retrace(reverse(chain), {place.position, direction}, met.start, normal);
+               if (!end) return;
+               // Rays start off their surfaces, by their clearance; it may be enlarged on the way.
+               constexpr double largest_enlargement = 64, same_part = 0.01;
+               double off = place.clearance;
+               for (const SpecularVertex& vertex : chain) off += vertex.point.clearance;
+               const double missed = length(end->place - met.start);
+               if (missed > same_part * half_diagonal(lamp) + largest_enlargement * off || missed >= nearest) return;
+               nearest = missed;
+               pdf = light.pdf;
+             });
+  return pdf;
 }
 
 }  // namespace holotrace

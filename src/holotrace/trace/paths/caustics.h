@@ -34,7 +34,7 @@ struct LightBundle {
   /// b·(p − known) to it. Columns: derivatives by p and q.
   std::array<Vec2, 2> a, b;
 
-  /// The same for a ray that starts elsewhere on a rectangle. Columns: derivatives by places along its two edges, in edges.
+  /// The same for a ray that starts elsewhere on a rectangle. Columns: derivatives by the start, measured in its two edges.
   std::array<Vec2, 2> by_start{}, turned_by_start{};
   double limit =
       1;  ///< largest |p| and |q| at which the first order, or the chain's planes, may show a ray of this bundle
@@ -120,7 +120,8 @@ std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoi
                                         int most_surfaces, bool with_phase, PathCounts& counts);
 
 /// The pdf of the light that a path has found: it left the place in that direction, and met the rectangle by a number of mirrors
-/// and glass surfaces. 0 if caustic_light does not find it, with the same most_surfaces.
+/// and glass surfaces. 0 if caustic_light does not find it, with the same most_surfaces. The two are the same if, by the chain of
+/// the one, the direction of the other leads to the same place of the lamp, up to a hundredth of the lamp and to rounding.
 double caustic_pdf(const PathScene& scene, const SurfacePoint& place, Vec3 direction, LampPlace met, int surfaces,
                    int most_surfaces, PathCounts& counts);
 

@@ -62,7 +62,8 @@ class DirectLight {
  public:
   DirectLight(const PathScene& scene, Sink& sink, PathCounts& counts) : scene_(scene), sink_(sink), counts_(counts) {}
 
-  /// Each light is sampled once. The light is multiplied by `weight`.
+  /// Each light is sampled once. The light is multiplied by `weight`. Without a clamp, every fourth path looks for the caustics
+  /// of rectangles, and counts for four.
   template <class B>
   void add(const B& bsdf, const PathVertex& at, double weight, LowDiscrepancy& numbers) {
     if (!begin(lobes(bsdf), at.state)) return;
@@ -74,8 +75,11 @@ class DirectLight {
       const Vec2 u = numbers.two();
       const LightSample way = sample(at.point.position, u);
       if (const auto reflected = reflect(bsdf, at, way, true, weight)) add_if_visible(at, way, light, *reflected);
-      // Every fourth path looks for caustics: the numbers below 1/4 also say where on the light.
-      if (u.x < 0.25) add_caustics(bsdf, at, light, {4 * u.x, u.y}, 4 * weight);
+      // A number below 1/4 also says where on the light. A clamp would take what one path finds for four.
+      if (scene_.params.clamp > 0)
+        add_caustics(bsdf, at, light, u, weight);
+      else if (u.x < 0.25)
+        add_caustics(bsdf, at, light, {4 * u.x, u.y}, 4 * weight);
     });
   }
 
@@ -123,7 +127,7 @@ class DirectLight {
   /// count for all of them; for every eighth where the surfaces are first hits of a pixel.
   /// @param state, depth, aim  of all of them, as of PathVertex
   /// @param dimension          of the numbers, the first that the lights take; the numbers are at a path of the block
-  /// @return                   number of dimensions that `add` takes of each path
+  /// @return                   number of dimensions taken of each path
   int add_for_group(const DiffusePaths& paths, PathAutomaton::State state, int depth, Aim aim, int dimension,
                     LowDiscrepancy& numbers) {
     if (!begin({.has_diffuse = true}, state)) return 0;
@@ -203,7 +207,7 @@ class DirectLight {
       visit({emitters.background_group(), true}, [&](Vec3, Vec2 u) { return environment->sample(u); });
   }
 
-  /// Whether light that no ray can meet may come by mirrors or glass.
+  /// Whether lights may also be sampled by panes, mirrors or glass.
   bool passes_mirrors() const { return scene_.has_panes || !scene_.mirrors.empty() || !scene_.caustics.is_empty(); }
 
   /// Adds the light of a light that no ray can meet: straight, through panes, and by each flat mirror.

@@ -61,7 +61,8 @@ struct PathStart {
 /// power heuristic, for each lobe ℓ by itself, so that path expressions split it exactly: w = p²/(p² + p′²), p the
 /// density of the technique that found it, p′ that of the other (E. Veach, Robust Monte Carlo Methods for Light
 /// Transport Simulation, 1997, section 9.2.4). Point, spot and directional lights are only sampled (w = 1). The even
-/// background and all light that arrives by a specular branch or at the first hit, is only met by the path (w = 1).
+/// background, light at the first hit and light that arrives by a specular branch are only met by the path (w = 1), but for small
+/// rectangles behind mirrors and glass (below).
 ///
 /// Thin panes do not hide sampled lights: each transmits 1 − 2R/(1 + R) of their light straight on, and counts as a
 /// surface and an S of the path. Points, spots, parallel light and small rectangles also arrive by mirrors and solid glass

@@ -45,7 +45,7 @@ struct PathParams {
   double clamp = 0;              ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
   bool separate_lights = false;  ///< separate sums for each light
   bool asks_at_end = false;      ///< lights are sampled only at the last surface of a path
-  int caustic_rays = 1024;       ///< rays that look for caustics, from each light that no ray can meet, about; 0: none
+  int caustic_rays = 1024;       ///< rays that look for caustics, from each small lamp, about; 0: none
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
 };
@@ -62,7 +62,7 @@ struct PathScene {
   std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
   std::vector<FlatMirror> mirrors;     ///< that reflect the light of lights which no ray can meet
   bool has_panes;                      ///< whether a mesh is of thin glass, which transmits light straight on
-  Caustics caustics;                   ///< light of such lights by curved mirrors, glass and several flat mirrors
+  Caustics caustics;                   ///< light of small lamps by mirrors and glass
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp
   /// below 0

@@ -83,7 +83,7 @@ class PathWalk {
       if (!next) return;
       if constexpr (Sink::follows_phase) sink_.scatter(point_, *next);
       if (scene_.caustics.has_rectangles && next->lobe != Lobe::specular)
-        scattered_ = {point_, next->direction, next->pdf, depth_};
+        last_scatter_ = {point_, next->direction, next->pdf, depth_};
       if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) return;
     }
   }
@@ -103,13 +103,14 @@ class PathWalk {
     Vec3 throughput;
     bool is_counted;  ///< see is_counted_
     const DiffuseSurfaces& surfaces;
-    size_t number;  ///< of its surface among them
+    size_t index;  ///< of its surface among them
   };
 
   /// Continues a path: it leaves a surface along a ray drawn with density `pdf` [1/sr]. False if the path ends before another
   /// surface.
   bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf) {
-    if (scene_.caustics.has_rectangles) scattered_ = {path.surfaces.point(path.number), ray.direction, pdf, path.depth};
+    if (scene_.caustics.has_rectangles)
+      last_scatter_ = {path.surfaces.point(path.index), ray.direction, pdf, path.depth};
     state_ = path.state;
     depth_ = path.depth;
     throughput_ = path.throughput;
@@ -166,7 +167,7 @@ class PathWalk {
     throughput_ = {1, 1, 1};
     scale_ = 1;
     pdf_ = distance_ = 0;
-    scattered_.pdf = 0;
+    last_scatter_.pdf = 0;
     is_counted_ = true;
   }
 
@@ -212,11 +213,12 @@ class PathWalk {
   /// The weight of the light of a rectangle that the path has met by mirrors and glass, at a distance along a ray: DirectLight
   /// has sampled it as well, at the last surface from which the path went in a random direction.
   double weight_by_mirrors(int light, const Ray& ray, double distance) {
-    if (!(scattered_.pdf > 0)) return 1;
+    if (!(last_scatter_.pdf > 0)) return 1;
     const LampPlace met{size_t(light), ray.origin + ray.direction * distance};
-    const double pdf = caustic_pdf(scene_, scattered_.point, scattered_.direction, met, depth_ - scattered_.depth,
-                                   scene_.params.max_depth - scattered_.depth, counts_);
-    return shared_weight(scattered_.pdf, pdf);
+    const double pdf =
+        caustic_pdf(scene_, last_scatter_.point, last_scatter_.direction, met, depth_ - last_scatter_.depth,
+                    scene_.params.max_depth - last_scatter_.depth, counts_);
+    return shared_weight(last_scatter_.pdf, pdf);
   }
 
   /// Samples the lights, and draws how the path continues; no result if it ends.
@@ -311,13 +313,13 @@ class PathWalk {
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
 
   /// The last surface from which the path went in a random direction, if rectangles have caustics.
-  struct Scattered {
+  struct Scatter {
     SurfacePoint point;
     Vec3 direction;
     double pdf = 0;  // [1/sr]; 0: none
     int depth = 0;
   };
-  Scattered scattered_;
+  Scatter last_scatter_;
   bool is_counted_ = true;  // whether the path counts as cut after the last surface, in proportion to its light
   Aim aim_ = Aim::exact;    // how the point was found
   DirectLight<Sink> direct_light_;
