@@ -107,10 +107,11 @@ BenchRow bench_propagation_on_device(const BenchOptions& options) {
   const auto propagator = make_propagator<float>(panel, 532_nm, 0.3_m);
   Device& device = open_device(options.device.number);
   DevicePropagator on_device(device, propagator);
-  return time_on_device(options, {"propagate",
-                                  fmt::format("{}x{} padded {}x{}, float", panel.nx, panel.ny, propagator.padded_nx,
-                                              propagator.padded_ny),
-                                  device_propagation_cost(device, propagator).moved, [&] { on_device(field); }});
+  return time_on_device(
+      options,
+      {"propagate",
+       fmt::format("{}x{} padded {}x{}, float", panel.nx, panel.ny, propagator.padded_nx, propagator.padded_ny),
+       double(forecast_propagation(device, propagator).bytes_moved), [&] { on_device(field); }});
 }
 
 std::vector<Hologram> random_frames(const Slm& slm, double wavelength, int frames) {
@@ -129,7 +130,7 @@ std::vector<Hologram> random_frames(const Slm& slm, double wavelength, int frame
 // Bytes of a propagation over 0.3 m to the same window.
 double moved_bytes(Device& device, const Grid& grid, const PropagateParams& params = {}) {
   using namespace literals;
-  return device_propagation_cost(device, plan_propagator<float>(grid, 532_nm, 0.3_m, params)).moved;
+  return double(forecast_propagation(device, plan_propagator<float>(grid, 532_nm, 0.3_m, params)).bytes_moved);
 }
 
 // An update of gradient descent. Nearly all of its work is that of propagations, whose bytes are those that count.

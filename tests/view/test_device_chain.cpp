@@ -320,9 +320,9 @@ TEST_P(DeviceChains, MakeRoomForAStop) {
   chain = there(chain);
   const PlacedField light = shown(chain);
   const Grid& grid = light.head().grid;
-  const DeviceStopCost stop =
-      device_stop_cost(device_, grid, *chain.filter, order_stop_margin(*chain.filter, light.head().grid));
-  device_.limit_memory((double(device_.use().bytes_held) - double(kept) + stop.memory + 8) / 0.8);
+  const DeviceUse stop =
+      forecast_order_stop(device_, grid, *chain.filter, order_stop_margin(*chain.filter, light.head().grid));
+  device_.limit_memory((double(device_.use().bytes_held) - double(kept) + double(stop.most_released()) + 8) / 0.8);
   EXPECT_EQ(error_of([&] { light_in_pupil(light, chain.slm, chain.propagation, chain.camera); }), "no error");
   EXPECT_LE(device_.use().bytes_held, 8 * size_t(grid.pixels())) << "only the shown light is left";
 }

@@ -163,10 +163,11 @@ TEST_P(OrderStop, NeedsSevenKernelsForAnySides) {
     const size_t before = device.use().kernels;
     apply_order_stop(field, filter, 3);
     EXPECT_EQ(device.use().kernels - before, 7u) << columns << " × " << rows;
-    const double margin_free = device_stop_cost(device, field.head.grid, filter, 0).moved;
+    const size_t margin_free = forecast_order_stop(device, field.head.grid, filter, 0).bytes_moved;
     apply_order_stop(field, filter, 0);  // the period is the field's own
     EXPECT_GT(device.use().kernels - before, 14u);
-    EXPECT_GT(margin_free, device_stop_cost(device, field.head.grid, filter, 3).moved) << "passes through memory";
+    EXPECT_GT(margin_free, forecast_order_stop(device, field.head.grid, filter, 3).bytes_moved)
+        << "passes through memory";
   }
 }
 
@@ -179,7 +180,7 @@ TEST_P(OrderStop, KnowsItsMemory) {
   const DeviceField field = send(device, Field({40, 30, test_pitch}, test_wavelength));
   for (const SpectralFilter& one : {filter, none})
     for (const bool is_enough : {true, false}) {
-      const double memory = device_stop_cost(device, field.head.grid, one, 5).memory;
+      const double memory = double(forecast_order_stop(device, field.head.grid, one, 5).most_released());
       device.limit_memory((double(device.use().bytes_held) + memory - (is_enough ? 0 : 8)) / 0.8 + 0.1);
       const std::string error = error_of([&] { apply_order_stop(field, one, 5); });
       device.limit_memory(0);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "holotrace/base/units.h"
 #include "holotrace/opencl/device.h"
 #include "holotrace/wave/shared/cost_model.h"
@@ -64,6 +66,8 @@ TEST(DeviceSeconds, AreThoseOfKernelsTransfersAndWaiting) {
   use.bytes_out = 2000;
   use.transfers = 4;
   EXPECT_DOUBLE_EQ(predict_seconds(use, DeviceRates{0, 1e3, 1e6}), 2 + 3 + 4 * 3e-4);
+  EXPECT_EQ(predict_seconds(DeviceUse{}, DeviceRates{}), 0) << "rates that were not measured";
+  EXPECT_TRUE(std::isinf(predict_seconds(use, DeviceRates{})));
 }
 
 TEST_F(AutomaticDevice, CountsTransfers) {

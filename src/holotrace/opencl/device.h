@@ -135,6 +135,9 @@ struct DeviceUse {
   size_t transfers = 0;       ///< number of both
   size_t kernels = 0;         ///< calls of kernels
   size_t bytes_moved = 0;     ///< read and written by kernels (KernelArgument), if caches hold nothing
+
+  /// Memory that was needed at most beside what is held now.
+  size_t most_released() const { return most_held - bytes_held; }
 };
 
 /// A device with one queue: what it is asked to do is done in this order. One thread may use it at a time; it holds

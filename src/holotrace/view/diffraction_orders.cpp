@@ -190,20 +190,20 @@ OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, in
   return cost;
 }
 
-DeviceStopCost device_stop_cost(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin) {
+DeviceUse forecast_order_stop(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin) {
   Device counter(device.info(), device.memory());
   Field head;
   head.grid = grid;
   const DeviceField field = make_device_field(counter, head);
   behind_stop(field, filter, margin, {});
-  const DeviceUse use = counter.use();
-  return {double(use.bytes_moved), double(use.most_held - field.samples.bytes())};
+  return counter.use();
 }
 
 DeviceField apply_order_stop(const DeviceField& field, const SpectralFilter& filter, int margin,
                              const Observer& observer) {
   const auto lock = field.device->lock();
-  make_room(*field.device, device_stop_cost(*field.device, field.head.grid, filter, margin).memory);
+  const DeviceUse use = forecast_order_stop(*field.device, field.head.grid, filter, margin);
+  make_room(*field.device, double(use.most_released()));
   return behind_stop(field, filter, margin, observer);
 }
 

@@ -44,12 +44,8 @@ struct OrderStopCost {
 };
 OrderStopCost order_stop_cost(const Grid& grid, const SpectralFilter& filter, int margin);
 
-/// What a stop takes on a device [bytes], by one that only counts: what its kernels read and write, and its memory beside the
-/// field.
-struct DeviceStopCost {
-  double moved = 0, memory = 0;
-};
-DeviceStopCost device_stop_cost(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin);
+/// What a stop takes on a device, by one that only counts; the field is there already, and stays.
+DeviceUse forecast_order_stop(const Device& device, const Grid& grid, const SpectralFilter& filter, int margin);
 
 /// The margin that holds the light which a stop spreads over the window's edges [samples]: 32 times the width 1/2h of its
 /// response, at most a quarter of the longer side. Of a bright edge, the part beyond is 1.6e-4 of the light in a strip 1/2h wide

@@ -88,7 +88,7 @@ class PathForecast {
   double on_device(Device& device, bool returns) const {
     const DeviceRates rates = device_rates(device);
     const auto of_stop = [&] {
-      return device_stop_cost(device, shown_, *path_.stop, path_.margin).moved / rates.moved_bytes;
+      return predict_seconds(forecast_order_stop(device, shown_, *path_.stop, path_.margin), rates);
     };
     return (path_.stop ? of_stop() : 0) + (propagation_ ? propagation_->on_device(device) : 0) +
            (returns ? bytes_out_ / rates.bytes : 0);

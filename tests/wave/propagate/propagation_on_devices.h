@@ -61,8 +61,11 @@ class PropagationOnDevices : public OnEveryDevice {
     return device_.use().bytes_in - before;
   }
   size_t held() const { return device_.use().bytes_held - start_; }
-  DevicePropagationCost cost(double distance, const PropagateParams& params = {}) const {
-    return device_propagation_cost(device_, plan_propagator<float>(field_.grid, field_.wavelength, distance, params));
+  Propagator<float> plan(double distance, const PropagateParams& params = {}) const {
+    return plan_propagator<float>(field_.grid, field_.wavelength, distance, params);
+  }
+  DeviceUse forecast(double distance, const PropagateParams& params = {}) const {
+    return forecast_propagation(device_, plan(distance, params));
   }
   // 80 % of the memory are used; 1 byte for the rounding of that product.
   void leave_memory(double bytes) { device_.limit_memory((double(device_.use().bytes_held) + bytes) / 0.8 + 1); }

@@ -26,7 +26,7 @@ HOLOTRACE_FOR_ALL_DEVICES(PropagationOnDevices);
 
 TEST_P(PropagationOnDevices, SendTheTransferFunctionOnce) {
   const size_t fields = sample * 66 * 49;
-  EXPECT_EQ(sent_for(0.03_m), fields + size_t(cost(0.03_m).kept));
+  EXPECT_EQ(sent_for(0.03_m), fields + forecast(0.03_m).bytes_held);
   EXPECT_EQ(sent_for(0.03_m), fields);
   const size_t before = device_.use().bytes_out;
   propagate_to_irradiance(field_, 0.03_m, params_);
@@ -77,8 +77,8 @@ TEST_P(PropagationOnDevices, TakeTheMemoryThatIsCounted) {
     params_ = window;
     params_.device = device;
     there(0.03_m);
-    const DevicePropagationCost cost = this->cost(0.03_m, window);
-    EXPECT_EQ(double(held()), cost.kept) << grid.nx << ", " << window.columns;
+    const DeviceUse use = forecast(0.03_m, window);
+    EXPECT_EQ(held(), use.bytes_held) << grid.nx << ", " << window.columns;
     const auto sent_for_irradiance = [&] {
       const size_t before = device_.use().bytes_in;
       propagate_to_irradiance(field_, 0.03_m, params_);
@@ -86,9 +86,9 @@ TEST_P(PropagationOnDevices, TakeTheMemoryThatIsCounted) {
     };
     sent_for_irradiance();  // compiles its kernel
     const size_t of_field = sample * size_t(grid.pixels());
-    leave_memory(cost.work);
+    leave_memory(double(use.most_released()));
     EXPECT_EQ(sent_for_irradiance(), of_field) << grid.nx << ", " << window.columns;
-    leave_memory(cost.work - 8);
+    leave_memory(double(use.most_released()) - 8);
     EXPECT_GT(sent_for_irradiance(), of_field) << "in bands, with the transfer function: " << grid.nx;
     device_.limit_memory(0);
   }
@@ -103,13 +103,14 @@ TEST_P(PropagationOnDevices, DoWhatIsForecast) {
     const DeviceChoice device = params_.device;
     params_ = window;
     params_.device = device;
-    const DevicePropagationCost forecast = cost(0.03_m, window);
+    const DeviceUse forecast = this->forecast(0.03_m, window);
     there(0.03_m);  // sends the transfer function
     const DeviceUse before = device_.use();
     there(0.03_m);
     const DeviceUse after = device_.use();
-    EXPECT_EQ(double(after.bytes_moved - before.bytes_moved), forecast.moved) << window.columns;
-    EXPECT_EQ(double(after.bytes_in + after.bytes_out - before.bytes_in - before.bytes_out), forecast.fields)
+    EXPECT_EQ(after.bytes_moved - before.bytes_moved, forecast.bytes_moved) << window.columns;
+    EXPECT_EQ(double(after.bytes_in + after.bytes_out - before.bytes_in - before.bytes_out),
+              bytes_of_fields(plan(0.03_m, window)))
         << window.columns;
   }
 }
@@ -123,12 +124,12 @@ TEST_P(PropagationOnDevices, CountWhatTheirKernelsReadAndWrite) {
   const double in = 200.0 * 180, rows = 180, parts = plan.y.parts;
   const double of_column = (3 + parts) * rows + plan.y.padded + (2 * parts - 1) * rows + 3 * rows;
   const double samples = 2 * in + plan.x.frequencies() * of_column + 3 * in;
-  const DevicePropagationCost cost = device_propagation_cost(device_, plan);
-  EXPECT_NEAR(cost.moved, 8 * samples, 0.04 * 8 * samples);
+  const DeviceUse use = forecast_propagation(device_, plan);
+  EXPECT_NEAR(double(use.bytes_moved), 8 * samples, 0.04 * 8 * samples);
   // Both fields, and a part of the spectrum row by row, and column by column before and after the transfer function.
   const double columns = std::max(part_frequencies(plan.x, 0).count, part_frequencies(plan.x, 1).count);
-  EXPECT_EQ(cost.work, 8 * (2 * in + 3 * rows * columns));
-  EXPECT_EQ(cost.largest, 8.0 * plan.transfer_rows() * plan.transfer_columns());
+  EXPECT_EQ(double(use.most_released()), 8 * (2 * in + 3 * rows * columns));
+  EXPECT_EQ(double(use.largest_buffer), 8.0 * plan.transfer_rows() * plan.transfer_columns());
 }
 
 // White light of all frequencies: every row is transformed twice for each part along x (there and back), every column of
@@ -170,14 +171,14 @@ TEST_P(PropagationOnDevices, MakeRoomForOthers) {
   there(0.03_m);
   there(0.04_m);
   const size_t two = held();
-  const DevicePropagationCost one = cost(0.04_m);
+  const DeviceUse one = forecast(0.04_m);
   // Memory for a field, if the other propagator is dropped.
-  device_.limit_memory((double(start_) + one.kept + one.work) / 0.8 + 1);
+  device_.limit_memory(double(start_ + one.most_held) / 0.8 + 1);
   EXPECT_EQ(sent_for(0.04_m), sample * 66 * 49);
   EXPECT_LT(held(), two);
   EXPECT_EQ(sent_for(0.04_m), sample * 66 * 49) << "it stays";
   EXPECT_EQ(error_of([&] { there(0.03_m); }), "no error") << "the other way round";
-  EXPECT_EQ(double(held()), cost(0.03_m).kept);
+  EXPECT_EQ(held(), forecast(0.03_m).bytes_held);
 }
 
 TEST_P(PropagationOnDevices, SayThatMemoryIsShort) {

@@ -256,7 +256,7 @@ double propagation_rate(Device& device) {
     const double seconds = fastest(run);
     if (seconds > long_enough || side >= 2048) {
       const auto plan = plan_propagator<float>(grid, timed_wavelength, 1e-3, paraxial);
-      return device_propagation_cost(device, plan).moved / std::max(seconds, 1e-9);
+      return double(forecast_propagation(device, plan).bytes_moved) / std::max(seconds, 1e-9);
     }
   }
 }

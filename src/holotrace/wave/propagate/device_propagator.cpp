@@ -44,26 +44,23 @@ DevicePropagator::DevicePropagator(Device& device, const Propagator<float>& p)
   windows_.emplace(device, p);
 }
 
-DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan) {
-  return device_propagation_cost(device, plan, device.memory());
+DeviceUse forecast_propagation(const Device& device, const Propagator<float>& plan) {
+  return forecast_propagation(device, plan, device.memory());
 }
 
-DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan, double memory) {
+DeviceUse forecast_propagation(const Device& device, const Propagator<float>& plan, double memory) {
   Device counter(device.info(), memory);
-  const auto make = [&](const Grid& grid) { return make_samples(counter, grid.ny, grid.nx); };
   DevicePropagator propagator(counter, plan);
-  DevicePropagationCost cost;
   {
+    const auto make = [&](const Grid& grid) { return make_samples(counter, grid.ny, grid.nx); };
     const DeviceBuffer from = make(plan.input), to = make(plan.output);
-    cost.fields = double(from.bytes() + to.bytes());
     propagator.run(from, to);
   }
-  const DeviceUse use = counter.use();
-  cost.kept = double(use.bytes_held);
-  cost.work = double(use.most_held) - cost.kept;
-  cost.largest = double(use.largest_buffer);
-  cost.moved = double(use.bytes_moved);
-  return cost;
+  return counter.use();
+}
+
+double bytes_of_fields(const Propagator<float>& plan) {
+  return double(sizeof(Complex)) * double(plan.input.pixels() + plan.output.pixels());
 }
 
 DevicePropagator::Work DevicePropagator::make_work() {
@@ -294,14 +291,10 @@ void BandedPropagation::run(const Field* field, Field* out, const Observer& obse
   }
 }
 
-DevicePropagationCost banded_propagation_cost(const Device& device, const Propagator<float>& plan, double memory) {
+DeviceUse forecast_banded_propagation(const Device& device, const Propagator<float>& plan, double memory) {
   Device counter(device.info(), memory);
   BandedPropagation(counter, std::make_shared<const Propagator<float>>(plan)).run(nullptr, nullptr);
-  const DeviceUse use = counter.use();
-  return {.work = double(use.most_held),
-          .fields = double(use.bytes_in + use.bytes_out),
-          .largest = double(use.largest_buffer),
-          .moved = double(use.bytes_moved)};
+  return counter.use();
 }
 
 }  // namespace holotrace

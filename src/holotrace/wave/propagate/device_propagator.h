@@ -14,15 +14,6 @@
 
 namespace holotrace {
 
-/// Memory and transfers of a propagation on a device [bytes].
-struct DevicePropagationCost {
-  double kept = 0;     ///< the transfer function and all other factors, which are sent once and stay on the device
-  double work = 0;     ///< memory during a propagation: both fields, and the spectrum in between
-  double fields = 0;   ///< samples that are sent and fetched
-  double largest = 0;  ///< the largest buffer
-  double moved = 0;    ///< what the kernels read and write, if the device's caches hold nothing
-};
-
 /// A propagator on an OpenCL device, for fields in single precision, with the windows and the methods of the processor:
 /// DeviceConvolution, and for windows of another pitch DeviceWindows. The transfer function and all
 /// other factors are sent once, and stay on the device with this object.
@@ -63,10 +54,14 @@ class DevicePropagator {
   int transfer_columns_;
 };
 
-/// The cost of a plan: it is run on a device that only counts.
+/// What a propagation takes on a device, by one that only counts: its transfer function and all other factors are sent and
+/// held; fields are on the device, and are released with the memory of the work.
 /// @param memory  that the device has for it, of which long lines take work space [bytes]; by default all
-DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan, double memory);
-DevicePropagationCost device_propagation_cost(const Device& device, const Propagator<float>& plan);
+DeviceUse forecast_propagation(const Device& device, const Propagator<float>& plan, double memory);
+DeviceUse forecast_propagation(const Device& device, const Propagator<float>& plan);
+
+/// Bytes of the fields at both ends.
+double bytes_of_fields(const Propagator<float>& plan);
 
 /// How a propagation is cut to fit in some memory of a device.
 struct BandedPlan {
@@ -112,8 +107,8 @@ class BandedPropagation {
   LineTransforms lines_;
 };
 
-/// What such a propagation takes on a device with that free memory: it is run on one that only counts. Nothing is kept, so
-/// `fields` has all that is transferred.
-DevicePropagationCost banded_propagation_cost(const Device& device, const Propagator<float>& plan, double memory);
+/// What such a propagation takes on a device with that free memory [bytes], by one that only counts. Fields are sent and fetched,
+/// and nothing is held.
+DeviceUse forecast_banded_propagation(const Device& device, const Propagator<float>& plan, double memory);
 
 }  // namespace holotrace

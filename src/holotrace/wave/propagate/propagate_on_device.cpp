@@ -22,7 +22,7 @@ namespace {
 
 struct ReadyPropagator {
   DevicePropagator propagator;
-  DevicePropagationCost cost;
+  DeviceUse use;  // as it was forecast
 };
 using Kept = KeptPropagators<ReadyPropagator>;
 
@@ -85,15 +85,16 @@ DevicePropagator* ready_propagator(Device& device, const PropagationQuestion& qu
   KeptPropagator<ReadyPropagator>& ready = prepared.kept;
   if (!ready.propagator)
     if (const auto found = kept.find(question)) ready = *found;  // another thread has sent it meanwhile
-  const DevicePropagationCost cost =
-      ready.propagator ? ready.propagator->cost : device_propagation_cost(device, *prepared.host, device.memory_left());
-  const double needed = cost.work - present + (ready.propagator ? 0 : cost.kept);
-  if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? cost.kept : 0);  // this one was used last
-  if (needed > device.memory_left() || cost.largest > device.info().largest_buffer) return nullptr;
+  const DeviceUse use =
+      ready.propagator ? ready.propagator->use : forecast_propagation(device, *prepared.host, device.memory_left());
+  const double held = double(use.bytes_held),
+               needed = double(use.most_released()) - present + (ready.propagator ? 0 : held);
+  if (needed > device.memory_left()) kept.drop_beyond(ready.propagator ? held : 0);  // this one was used last
+  if (needed > device.memory_left() || double(use.largest_buffer) > device.info().largest_buffer) return nullptr;
   if (!ready.propagator) {
     ready.propagator =
-        std::make_shared<ReadyPropagator>(ReadyPropagator{DevicePropagator(device, *prepared.host), cost});
-    kept.keep(question, ready, cost.kept, device_propagator_bytes(device));
+        std::make_shared<ReadyPropagator>(ReadyPropagator{DevicePropagator(device, *prepared.host), use});
+    kept.keep(question, ready, held, device_propagator_bytes(device));
   }
   return &ready.propagator->propagator;
 }
@@ -213,18 +214,16 @@ double PropagationForecast::on_processor() const { return plan_ ? seconds_to_pro
 
 double PropagationForecast::on_device(Device& device) const {
   if (!plan_) return 0;
-  const DeviceRates rates = device_rates(device);
   const auto kept = kept_on(device).find(question_);
-  DevicePropagationCost cost = kept ? kept->propagator->cost : device_propagation_cost(device, *plan_);
-  double sent = kept ? 0 : cost.kept;     // beside the fields, once
-  const double memory = device.memory();  // once all others are dropped
-  if (cost.kept + cost.work > memory || cost.largest > device.info().largest_buffer) {
-    const DevicePropagationCost banded = banded_propagation_cost(device, *plan_, memory);
-    sent = banded.fields - cost.fields;
-    cost = banded;
+  DeviceUse use = kept ? kept->propagator->use : forecast_propagation(device, *plan_);
+  if (double(use.most_held) > device.memory() || double(use.largest_buffer) > device.info().largest_buffer) {
+    // Once all others are dropped. The fields are sent for every band; the caller counts them once.
+    use = forecast_banded_propagation(device, *plan_, device.memory());
+    use.bytes_in -= std::min(use.bytes_in, size_t(bytes_of_fields(*plan_)));
+  } else if (kept) {
+    use.bytes_in = use.transfers = 0;
   }
-  const double sending = sent > 0 ? sent / rates.bytes : 0;  // also if the rate is 0, because it was not measured
-  return cost.moved / rates.moved_bytes + sending + seconds_to_start;
+  return predict_seconds(use, device_rates(device)) + seconds_to_start;
 }
 
 double PropagationForecast::bytes_out() const { return bytes_out_; }

@@ -56,7 +56,9 @@ std::vector<DeviceInfo> devices_here() {
 
 double predict_seconds(const DeviceUse& use, const DeviceRates& rates) {
   constexpr double seconds_to_wait = 3e-4;  // for a transfer and the kernels before it, on slow drivers
-  return double(use.bytes_moved) / rates.moved_bytes + double(use.bytes_in + use.bytes_out) / rates.bytes +
+  // Nothing takes no time, also at rates that were not measured.
+  const auto seconds = [](size_t bytes, double rate) { return bytes > 0 ? double(bytes) / rate : 0; };
+  return seconds(use.bytes_moved, rates.moved_bytes) + seconds(use.bytes_in + use.bytes_out, rates.bytes) +
          double(use.transfers) * seconds_to_wait;
 }
 

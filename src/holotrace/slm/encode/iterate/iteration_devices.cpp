@@ -65,13 +65,18 @@ double seconds_on_processor(const Share& share) {
 }
 
 // What a propagation to each target takes on a device.
-using TargetCosts = std::vector<DevicePropagationCost>;
+struct TargetCost {
+  DeviceUse use;
+  double fields;  // bytes of both, which are counted apart
+};
+using TargetCosts = std::vector<TargetCost>;
 
 TargetCosts costs_on(const Device& device, const std::vector<TargetPlane>& targets, const DescentSetup& setup) {
   TargetCosts costs;
-  for (const TargetPlane& target : targets)
-    costs.push_back(device_propagation_cost(
-        device, plan_propagator<float>(samples_of_panel(setup), target.wavelength, target.z, {})));
+  for (const TargetPlane& target : targets) {
+    const auto plan = plan_propagator<float>(samples_of_panel(setup), target.wavelength, target.z, {});
+    costs.push_back({forecast_propagation(device, plan), bytes_of_fields(plan)});
+  }
   return costs;
 }
 
@@ -83,12 +88,12 @@ DescentWork work_on(const Device& device, const Share& share, const TargetCosts&
   DescentWork work;
   double planes = 0, transforms = 0;  // planes of an update; memory of the transforms
   for (size_t k = 0; k < costs.size(); ++k) {
-    const DevicePropagationCost& cost = costs[k];
+    const auto& [use, fields] = costs[k];
     const double turns = turns_of(share.targets[k], share.targets, params);
-    work.moved += turns * of_frames * ((1 + samples) * cost.moved + 4 * of_light * samples);
-    work.kept += cost.kept + 8 * double(grid.pixels());
+    work.moved += turns * of_frames * ((1 + samples) * double(use.bytes_moved) + 4 * of_light * samples);
+    work.kept += double(use.bytes_held) + 8 * double(grid.pixels());
     planes += turns;
-    transforms = std::max(transforms, cost.work - cost.fields);
+    transforms = std::max(transforms, double(use.most_released()) - fields);
   }
   work.moved += 8 * of_light * of_frames;  // drives, moments and slopes
   // Parts of the mean come from the others to the first device, and the factor goes back (DeviceLight).
