@@ -53,13 +53,20 @@ double power(const BasicField<Real>& field) {
   return sum * field.grid.pitch * field.grid.pitch;
 }
 
+/// Gives a field what another one has beside its grid, wavelength, place and samples: all that stages only pass on.
+template <class From, class To>
+void copy_properties(const BasicField<From>& from, BasicField<To>& to) {
+  const auto& [grid, wavelength, z, samples, image, filter, label] = from;  // a new member belongs here or below
+  to.image = image;
+  to.filter = filter;
+  to.label = label;
+}
+
 /// The same field with samples of another precision.
 template <class To, class From>
 BasicField<To> convert(const BasicField<From>& field) {
   BasicField<To> out(field.grid, field.wavelength, field.z);
-  out.image = field.image;
-  out.filter = field.filter;
-  out.label = field.label;
+  copy_properties(field, out);
   for (size_t i = 0; i < field.samples.size(); ++i) out.samples.values[i] = std::complex<To>(field.samples.values[i]);
   return out;
 }

@@ -58,6 +58,26 @@ TEST_P(PropagationOnDevices, SayTheSameForEveryField) {
   EXPECT_EQ(first, expected);
 }
 
+TEST_P(PropagationOnDevices, KeepWhatFieldsHaveBesideTheirSamples) {
+  field_.image = ImageSide::real_image;
+  field_.filter = SpectralFilter{1e3, -2e3, 3e4, 4e4};
+  field_.label = {"light 1", 3, 450e-9};
+  const auto expect_kept = [&](const Field& out, const std::string& how) {
+    EXPECT_EQ(out.image, field_.image) << how;
+    EXPECT_EQ(out.filter, field_.filter) << how;
+    EXPECT_EQ(out.label, field_.label) << how;
+  };
+  expect_kept(there(0.03_m), "whole");
+  expect_kept(fetch(propagate(send(device_, field_, "a field"), 0.03_m, params_)), "on the device");
+  PropagateParams shifted = params_;
+  shifted.centre_x = 16_um;
+  expect_kept(propagate(field_, 0, shifted), "to a shifted window");
+  expect_kept(fetch(propagate(send(device_, field_, "a field"), 0, shifted)), "to a shifted window on the device");
+  drop_device_propagators();
+  leave_memory(40e3);
+  expect_kept(there(0.03_m), "in bands");
+}
+
 // The memory that is counted is that of the buffers: for windows on the lattice (whose light is even or not), of twice the
 // pitch and of any pitch, for square ones, whose axes share factors, and for lines in global memory.
 TEST_P(PropagationOnDevices, TakeTheMemoryThatIsCounted) {

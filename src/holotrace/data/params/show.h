@@ -1,10 +1,14 @@
 #pragma once
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "holotrace/data/params/parameter.h"
+#include "holotrace/data/slm.h"
 
 // show: Hologram → Field
 
@@ -56,8 +60,8 @@ void describe(Visitor&& v, ShowParams& p) {
   v(count("illumination_states", p.illumination_states, range::from_to(0, 65536),
           "number of states of partly coherent light and flicker to average; 0: as many as the views need"));
   v(texts("effects", p.effects,
-          "panel effects that are modelled: calibration, crosstalk, gaps, flicker, aberration, phase-map, "
-          "light-map, dead-pixels; all; or none; empty: those that the panel's own file has"));
+          fmt::format("panel effects that are modelled: {}; all; or none; empty: those that the panel's own file has",
+                      fmt::join(slm_effect_names(), ", "))));
   v(device("device", p.device, "computes the light that leaves the panel (holotrace show: and propagates it)"));
 }
 

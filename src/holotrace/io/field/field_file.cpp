@@ -91,6 +91,14 @@ BasicField<Real> the_only_one(const std::string& path, std::vector<BasicField<Re
   return std::move(stack.front());
 }
 
+// What all fields of a stack have in common: the file has one of it.
+template <class Real>
+nlohmann::ordered_json common_metadata(const BasicField<Real>& field) {
+  nlohmann::ordered_json json = metadata_of(field);
+  for (const char* of_each : {"wavelengths_m", "cone_wavelength_m"}) json.erase(of_each);
+  return json;
+}
+
 template <class Real>
 void check_stack(const std::string& path, const std::vector<BasicField<Real>>& stack) {
   require(!stack.empty(), "expected at least one field to save as {}, got none", path);
@@ -100,9 +108,7 @@ void check_stack(const std::string& path, const std::vector<BasicField<Real>>& s
     require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
             "expected {} × {} samples in the field to save as {}, got {} × {}", field.grid.nx, field.grid.ny, path,
             field.samples.nx, field.samples.ny);
-    require(field.grid == first.grid && field.z == first.z && field.image == first.image &&
-                field.filter == first.filter && field.label.name == first.label.name &&
-                field.label.frame == first.label.frame,
+    require(field.grid == first.grid && common_metadata(field) == common_metadata(first),
             "expected fields that differ in wavelength alone to save as {}, got other grids, planes, image sides, "
             "filters, names or frames; save each as its own field",
             path);

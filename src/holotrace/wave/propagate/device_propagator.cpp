@@ -270,8 +270,7 @@ Field BandedPropagation::operator()(const Field& field, const Observer& observer
   check_field(field, *propagator_);
   Field out(propagator_->output, field.wavelength, field.z + propagator_->distance);
   run(&field, &out, observer);
-  out.image = field.image;
-  out.filter = field.filter;
+  copy_properties(field, out);
   return out;
 }
 

@@ -19,9 +19,7 @@ namespace {
 template <class Real>
 BasicField<Real> on_window(const BasicField<Real>& field, const WindowShift& to) {
   BasicField<Real> out(to.window, field.wavelength, field.z);
-  out.image = field.image;
-  out.filter = field.filter;
-  out.label = field.label;
+  copy_properties(field, out);
   const int left = std::max(0, -to.right), right = std::min(to.window.nx, field.grid.nx - to.right);
   for (int j = std::max(0, -to.down); j < std::min(to.window.ny, field.grid.ny - to.down); ++j)
     for (int i = left; i < right; ++i) out.samples(j, i) = field.samples(j + to.down, i + to.right);

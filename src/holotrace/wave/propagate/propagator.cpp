@@ -129,9 +129,7 @@ template <class Real>
 BasicField<Real> propagate(const BasicField<Real>& field, const Propagator<Real>& p, const Observer& observer) {
   check_field(field, p);
   BasicField<Real> out = p.is_on_lattice() ? convolve(field, p, observer) : transform_to_window(field, p, observer);
-  out.image = field.image;
-  out.filter = field.filter;
-  out.label = field.label;
+  copy_properties(field, out);
   return out;
 }
 

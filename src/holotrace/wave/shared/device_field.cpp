@@ -32,9 +32,7 @@ Field head_of(const Field& field) {
   head.grid = field.grid;
   head.wavelength = field.wavelength;
   head.z = field.z;
-  head.image = field.image;
-  head.filter = field.filter;
-  head.label = field.label;
+  copy_properties(field, head);
   return head;
 }
 
@@ -43,8 +41,7 @@ Field head_on(const Field& field, const Grid& window, double z) {
   head.grid = window;
   head.wavelength = field.wavelength;
   head.z = z;
-  head.image = field.image;
-  head.filter = field.filter;
+  copy_properties(field, head);
   return head;
 }
 
