@@ -164,19 +164,6 @@ TEST(Integrator, TwoDiffusePlatesReflectEachOtherAsTheSeriesSays) {
   }
 }
 
-/// Green radiance of single paths that sample the lights only where they end.
-Statistics follow_and_ask_at_end(const Scene& scene, const Ray& ray, int count, int max_depth, PathCounts& counts) {
-  const PathScene path_scene(scene, Lines{}, {}, {.max_depth = max_depth, .asks_at_end = true});
-  const PathStart start = start_of(path_scene, ray);
-  Statistics statistics;
-  for (int i = 0; i < count; ++i) {
-    Vec3 sum;
-    mean_radiance(path_scene, start, 1, uint64_t(i), {&sum, 1}, counts);
-    statistics.add(sum.y);
-  }
-  return statistics;
-}
-
 /// Gauss–Legendre points in [0, 1] (Newton's method on the Legendre polynomial) and their weights.
 std::vector<Vec2> gauss_points(int count) {
   std::vector<Vec2> points;
@@ -257,7 +244,7 @@ TEST(Integrator, AskingTheLampAtTheEndOfAPathFindsTheLightOfDirectPaths) {
   scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
   scene.lights = {PointLight{{30_mm, 0, -0.26}, {1, 1, 1}}};
   PathCounts counts;
-  const Statistics light = follow_and_ask_at_end(scene, {{}, {0, 0, -1}}, 20000, 4, counts);
+  const Statistics light = follow(scene, {{}, {0, 0, -1}}, 20000, {.max_depth = 4, .asks_at_end = true}, counts);
   const double expected = 0.6 / pi * 0.8 / (0.05 * 0.05);
   EXPECT_NEAR(light.mean() / expected, 1, 4 * light.standard_error() / expected);
   // Roulette ends 0.4 of the paths at the wall, and only these sample the light; 4 standard errors of a binomial.
@@ -279,7 +266,7 @@ TEST(Integrator, AskingAtTheEndOfAPathFindsTheSameLightInFewerShadowRays) {
     for (const int max_depth : {3, 20}) {
       PathCounts everywhere, at_end;
       const Statistics expected = follow(scene, ray, 40000, max_depth, everywhere);
-      const Statistics found = follow_and_ask_at_end(scene, ray, 40000, max_depth, at_end);
+      const Statistics found = follow(scene, ray, 40000, {.max_depth = max_depth, .asks_at_end = true}, at_end);
       EXPECT_GT(expected.mean(), 0);
       EXPECT_NEAR(found.mean(), expected.mean(), 4 * std::hypot(found.standard_error(), expected.standard_error()));
       EXPECT_LE(at_end.shadow_rays, at_end.paths) << "one light, asked once at most";

@@ -71,11 +71,12 @@ inline LightSample sample(const DirectionalLight& light, Vec3 from, Vec2) {
   return {-light.direction, infinity, light.irradiance, 1};
 }
 
+/// The place u.x and u.y edges from the corner; both in [0, 1] on the rectangle [m].
 inline Vec3 place_on(const RectangleLight& light, Vec2 u) {
   return light.corner + light.edge_u * u.x + light.edge_v * u.y;
 }
 
-/// The place from the corner, in edges: the u of place_on.
+/// The u of place_on of a place in the plane of the rectangle.
 inline Vec2 edges_to(const RectangleLight& light, Vec3 place) {
   const Vec3 normal = cross(light.edge_u, light.edge_v), way = place - light.corner;
   const double squared = dot(normal, normal);
@@ -123,10 +124,8 @@ inline std::optional<LightHit> meet(const RectangleLight& light, const Ray& ray)
   if (projected <= 0) return std::nullopt;
   const double distance = -dot(normal, way) / projected;
   if (!(distance > 0)) return std::nullopt;
-  const Vec3 place = ray.direction * distance - way;
-  const double squared = dot(normal, normal);
-  const double s = dot(cross(place, light.edge_v), normal), t = dot(cross(light.edge_u, place), normal);
-  if (s < 0 || t < 0 || s > squared || t > squared) return std::nullopt;
+  const Vec2 u = edges_to(light, ray.origin + ray.direction * distance);
+  if (u.x < 0 || u.y < 0 || u.x > 1 || u.y > 1) return std::nullopt;
   return LightHit{distance, distance * distance / projected};
 }
 

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "holotrace/base/vec.h"
-#include "holotrace/trace/geometry/box_tree.h"
-#include "holotrace/trace/paths/specular_chain.h"
+#include "holotrace/trace/shared/ray.h"
 
 // Light of small lamps (points, spots, beams, rectangles), thrown on surfaces by mirrors and glass: caustics.
 
@@ -14,60 +12,6 @@ namespace holotrace {
 
 struct PathScene;
 struct PathCounts;
-
-/// A square of rays of one lamp. A ray of it has two coordinates p, q, from −1 to 1: it leaves a point along centre + p·u + q·v,
-/// parallel light at the place centre + p·u + q·v [m], and any place of a rectangle toward the place that is
-/// centre + p·u + q·v [m] away from the rectangle's middle.
-struct RaySquare {
-  Vec3 centre, u, v;
-};
-
-/// Rays of a square that the same mirrors and glass surfaces send to neighbouring places.
-struct LightBundle {
-  RaySquare rays;
-  std::vector<SpecularVertex> chain;  ///< of one ray, from the lamp on
-  Vec2 known;                         ///< coordinates of that ray
-  Vec3 place;                         ///< that it lights [m]
-  Frame across;                       ///< z is the unit direction in which it arrives
-
-  /// To first order, ray p is at a·(p − known) across that direction where the known ray is at `place`, and runs at an angle
-  /// b·(p − known) to it. Columns: derivatives by p and q.
-  std::array<Vec2, 2> a, b;
-
-  /// The same for a ray that starts elsewhere on a rectangle. Columns: derivatives by the start, measured in its two edges.
-  std::array<Vec2, 2> by_start{}, turned_by_start{};
-  double limit =
-      1;  ///< largest |p| and |q| at which the first order, or the chain's planes, may show a ray of this bundle
-  bool is_folded = false;  ///< whether two rays of the bundle may reach the same place: the first order shows neither
-};
-
-/// The bundles of one lamp, and for each of them a box around the places that it lights.
-struct LampBundles {
-  std::vector<LightBundle> bundles;
-  BoxTree boxes;
-};
-
-/// What is known in advance about the light that mirrors and glass throw on other surfaces.
-struct Caustics {
-  std::vector<LampBundles> lamps;  ///< of each light of the scene; empty if none has any bundles
-  bool has_normal_map = false;     ///< whether light by a mirror or glass with a normal map was left out
-  bool has_long = false;           ///< whether light by more than most_chained surfaces was left out
-  bool has_rectangles = false;     ///< whether a rectangle has bundles, so that such light is found in two ways
-
-  bool is_empty() const { return lamps.empty(); }
-};
-
-inline constexpr int most_chained = 12;  ///< mirrors and glass surfaces between a lamp and the surface that it lights
-
-/// Sends rays from all small lamps toward the meshes that reflect as mirrors do or refract, and follows all reflections and
-/// refractions to the surfaces that scatter. Empty if there are no such lamps or meshes. A rectangle is a small lamp for
-/// surfaces that are twice its diagonal away, or more.
-///
-/// Chains that DirectLight finds without help are left out: for lamps that no ray can meet, straight through panes, and by one
-/// flat mirror.
-///
-/// @param rays  number of rays from each lamp, about; 0: no caustics
-Caustics find_caustics(const PathScene& scene, int rays);
 
 /// Light of one lamp that reaches a place by one chain of mirrors and glass.
 struct CausticLight {

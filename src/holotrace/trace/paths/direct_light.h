@@ -8,6 +8,7 @@
 
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
+#include "holotrace/trace/paths/caustics.h"
 #include "holotrace/trace/paths/diffuse_lanes.h"
 #include "holotrace/trace/paths/path.h"
 

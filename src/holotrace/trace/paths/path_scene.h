@@ -9,7 +9,7 @@
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/lights/light.h"
-#include "holotrace/trace/paths/caustics.h"
+#include "holotrace/trace/paths/caustic_bundles.h"
 #include "holotrace/trace/shared/ray.h"
 
 namespace holotrace {
@@ -35,7 +35,7 @@ struct MirrorOnWay {
 /// smooth normals or a normal map, count as curved and have none.
 std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light>& lights, const Lines& lines);
 
-/// Whether a mesh without smooth normals has more planes than that: it is curved, of flat facets.
+/// Whether a mesh has more than 16 planes and no smooth normals: it is curved, of flat facets.
 bool is_faceted(const Mesh& mesh);
 
 /// Which light paths are followed, and how far.
