@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -328,12 +329,25 @@ TEST(NpyFile, AFieldInColourHasTheShapeOfItsWavelengths) {
 }
 
 TEST(FieldFiles, OnlyFieldsThatDifferInWavelengthMakeAStack) {
-  std::vector<Field> stack(2, some_field<float>());
-  stack[1].z = 0;
   const std::string path = temporary("f.npy");
-  EXPECT_EQ(error_of([&] { save_fields(path, stack); }),
-            "expected fields that differ in wavelength alone to save as " + path +
-                ", got other grids, planes, image sides, filters, names or frames; save each as its own field");
+  const std::vector<std::function<void(Field&)>> changes{
+      [](Field& field) { field.grid.pitch *= 2; },
+      [](Field& field) { field.z = 0; },
+      [](Field& field) {
+        field.image = field.image == ImageSide::real_image ? ImageSide::virtual_image : ImageSide::real_image;
+      },
+      [](Field& field) {
+        field.filter = SpectralFilter{1, 2, 3, 4};
+      },
+      [](Field& field) { field.label.name += "x"; },
+      [](Field& field) { ++field.label.frame; }};
+  for (const auto& change : changes) {
+    std::vector<Field> stack(2, some_field<float>());
+    change(stack[1]);
+    EXPECT_EQ(error_of([&] { save_fields(path, stack); }),
+              "expected fields that differ in wavelength alone to save as " + path +
+                  ", got other grids, planes, image sides, filters, names or frames; save each as its own field");
+  }
   EXPECT_EQ(error_of([&] { save_fields(path, std::vector<Field>()); }),
             "expected at least one field to save as " + path + ", got none");
 }
