@@ -69,7 +69,6 @@ int after_output(int exit_code) {
 void use_kept_files() {
   using namespace holotrace;
   const auto warn = [](const std::string& sentence) { say("warning: {}\n", sentence); };
-  keep_fft_wisdom(warn);
   set_summation_rates([warn] { return keep_summation_rates(calibration_key(), calibrate_summation, warn); });
   set_device_rates([warn](Device& device) {
     return keep_device_rates(

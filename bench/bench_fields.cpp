@@ -26,7 +26,6 @@ BENCHMARK(propagation<double>)->ArgName("panel")->DenseRange(0, 1)->Unit(benchma
 // The verb with its transfer function, as bench/python_figures.py calls it from Python.
 void propagation_verb(benchmark::State& state) {
   const auto field = timed_field(slm_preset("pluto").grid);
-  keep_fft_wisdom([](const std::string&) {});
   for (auto _ : state) benchmark::DoNotOptimize(propagate(field, 0.3_m));
 }
 BENCHMARK(propagation_verb)->Unit(benchmark::kMillisecond)->UseRealTime();

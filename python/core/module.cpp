@@ -18,11 +18,10 @@
 namespace holotrace::python {
 namespace {
 
-// Fast plans of transforms and the speeds of this machine are kept between runs, as the program does. Nothing is read
+// The speeds of this machine are kept between runs, as the program does. Nothing is read
 // or measured before it is needed.
 void keep_what_was_measured() {
   const auto ignore = [](const std::string&) {};
-  keep_fft_wisdom(ignore);
   set_summation_rates([ignore] { return keep_summation_rates(calibration_key(), calibrate_summation, ignore); });
   set_device_rates([ignore](Device& device) {
     return keep_device_rates(

@@ -72,7 +72,7 @@ class ColumnTransforms : public ::testing::Test {
 using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(ColumnTransforms, Reals);
 
-// Lengths with the factors 2, 3 and 5, and those that FFTW transforms (1 to 8, 11, 13, 14, …).
+// Lengths of one stage, of several, and those with other factors than 2 to 13 (17, 19, …).
 TYPED_TEST(ColumnTransforms, AreTheDefinitionForAllShortLengths) {
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet only(name);
@@ -80,11 +80,11 @@ TYPED_TEST(ColumnTransforms, AreTheDefinitionForAllShortLengths) {
   }
 }
 
-// Panels of 1080, 1087 and 2160 rows; powers of each radix alone.
+// Panels of 1080 and 2160 rows; powers of each radix alone; prime numbers.
 TYPED_TEST(ColumnTransforms, AreTheDefinitionForPanels) {
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet only(name);
-    for (const int length : {1080, 1152, 2160, 2187, 3125, 3600, 4096, 4320})
+    for (const int length : {1080, 1087, 1152, 1331, 2160, 2187, 2197, 2401, 2716, 3125, 3600, 4096, 4320})
       TestFixture::expect_the_definition(length, 7);
   }
 }
@@ -103,7 +103,7 @@ TYPED_TEST(ColumnTransforms, GoBackToWhatTheyCameFrom) {
 
 // Any thread may use any of them at any time: the result does not depend on what `work` held.
 TYPED_TEST(ColumnTransforms, DoNotDependOnTheirWorkSpace) {
-  for (const int length : {6, 60, 1080}) {
+  for (const int length : {6, 60, 1080, 1087}) {
     const auto data = this->noise(length);
     AlignedVector<std::complex<TypeParam>> first(data.size()), second(data.size()), work(data.size());
     const ColumnFft<TypeParam> transform(length);
@@ -113,6 +113,23 @@ TYPED_TEST(ColumnTransforms, DoNotDependOnTheirWorkSpace) {
     second = work;
     transform(FftDirection::forward, data.data(), second.data(), work.data());
     EXPECT_EQ(first, second) << length;
+  }
+}
+
+TYPED_TEST(ColumnTransforms, TurnColumnsToRows) {
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    for (const int length : {1, 3, 8, 29}) {
+      const auto data = this->noise(length);  // [column][sample]
+      std::array<const std::complex<TypeParam>*, columns> from;
+      for (size_t c = 0; c < from.size(); ++c) from[c] = data.data() + c * size_t(length);
+      AlignedVector<std::complex<TypeParam>> rows(data.size() + 1, TypeParam(7));
+      turn_to_rows(from, length, rows.data());
+      for (int i = 0; i < length; ++i)
+        for (int c = 0; c < columns; ++c)
+          ASSERT_EQ(rows[size_t(i * columns + c)], data[size_t(c * length + i)]) << name << ", " << length;
+      EXPECT_EQ(rows.back(), std::complex<TypeParam>(7)) << "nothing is written beyond";
+    }
   }
 }
 

@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
+#include "holotrace/base/fft_stages.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 
@@ -20,70 +26,99 @@ AlignedVector<std::complex<Real>> noise(int count) {
   return data;
 }
 
-// The definition of the transform, summed in double.
-std::vector<std::complex<double>> slow_transform(const std::complex<double>* data, int n, int sign) {
-  std::vector<std::complex<double>> out(static_cast<size_t>(n));
-  for (int k = 0; k < n; ++k)
-    for (int i = 0; i < n; ++i)
-      out[size_t(k)] += data[i] * std::polar(1.0, sign * 2 * pi * double(int64_t(k) * i % n) / n);
-  return out;
+constexpr long double turn = 2 * std::numbers::pi_v<long double>;
+
+// Sample k of a transform by the definition. In double its own rounding would be the larger one.
+template <class Real>
+std::complex<long double> slow_transform(const AlignedVector<std::complex<Real>>& data, int k, int sign) {
+  const auto n = int64_t(data.size());
+  std::complex<long double> sum;
+  for (int64_t i = 0; i < n; ++i)
+    sum += std::complex<long double>(data[size_t(i)]) *
+           std::polar(1.0L, sign * turn * (long double)(k * i % n) / (long double)n);
+  return sum;
 }
 
-TEST(Fft, IsTheDefinitionForwardAndBackward) {
-  for (const int n : {1, 2, 7, 30, 127, 240}) {
+template <class Real>
+class LineTransforms : public ::testing::Test {
+ protected:
+  // Compares `samples` of the spectrum with the definition. They are about √(length/6). Each of its log₂(length) levels
+  // rounds them by an epsilon or less, at random, by sums, products and factors: together 0.4·√(length·levels) epsilons
+  // as a standard deviation; a convolution with a chirp has twice as many levels. Five times the former is beyond chance.
+  static void expect_the_definition(int length, int samples) {
+    const auto data = noise<Real>(length);
+    const long double tolerance =
+        2 * std::numeric_limits<Real>::epsilon() * std::sqrt(length * (1 + std::log2((long double)length)));
     for (const auto& [direction, sign] : {std::pair{FftDirection::forward, -1}, {FftDirection::backward, 1}}) {
-      auto data = noise<double>(n);
-      const auto expected = slow_transform(data.data(), n, sign);
-      Fft<double>(n, direction)(data.data());
-      // √n sums of numbers below 1, each with an error of 1e-16
-      for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k)] - expected[size_t(k)]), 1e-13) << n;
+      const Fft<Real> transform(length, direction);
+      AlignedVector<std::complex<Real>> out(data.size()), in_place = data;
+      transform(data.data(), out.data());
+      for (int n = 0; n < samples; ++n) {
+        const int k = int(int64_t(n) * length / samples);
+        ASSERT_LT(std::abs(std::complex<long double>(out[size_t(k)]) - slow_transform(data, k, sign)), tolerance)
+            << "sample " << k << " of " << length << ", sign " << sign;
+      }
+      transform(in_place.data());
+      EXPECT_EQ(in_place, out) << length;
     }
+    EXPECT_EQ(data, noise<Real>(length)) << "the input is not changed";
+  }
+};
+
+using Reals = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(LineTransforms, Reals);
+
+// Of these, 17, 19, … have other factors than 2 to 13.
+TYPED_TEST(LineTransforms, AreTheDefinitionForAllShortLengths) {
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    for (int length = 1; length <= 100; ++length) TestFixture::expect_the_definition(length, length);
   }
 }
 
-TEST(Fft, TransformsDataOffTheSimdBoundaryAlike) {
-  const int n = 60;
-  auto data = noise<float>(n + 1);
-  AlignedVector<std::complex<float>> aligned(data.begin() + 1, data.end());
-  const Fft<float> forward(n, FftDirection::forward);
-  forward(data.data() + 1);
-  forward(aligned.data());
-  for (int k = 0; k < n; ++k) EXPECT_LT(std::abs(data[size_t(k) + 1] - aligned[size_t(k)]), 1e-5F);  // 60·2⁻²⁴
-}
-
-// Columns of a row-major block become contiguous spectra, and columns again.
-TEST(FftBatch, TransformsColumnsAsOneByOne) {
-  for (const int n : {1, 12, 35, 90}) {
-    constexpr int columns = 4;
-    const auto block = noise<double>(n * columns);
-    AlignedVector<std::complex<double>> spectra(block.size()), back(block.size());
-    FftBatch<double>(n, {columns, columns, 1, 1, n}, FftDirection::forward)(block.data(), spectra.data());
-    FftBatch<double>(n, {columns, 1, n, columns, 1}, FftDirection::backward)(spectra.data(), back.data());
-    for (int c = 0; c < columns; ++c) {
-      std::vector<std::complex<double>> column;
-      for (int i = 0; i < n; ++i) column.push_back(block[size_t(i * columns + c)]);
-      const auto expected = slow_transform(column.data(), n, -1);
-      for (int k = 0; k < n; ++k)
-        EXPECT_LT(std::abs(spectra[size_t(c * n + k)] - expected[size_t(k)]), 1e-13) << n;  // as above
-    }
-    for (size_t i = 0; i < block.size(); ++i) EXPECT_LT(std::abs(back[i] / double(n) - block[i]), 1e-15) << n;
+// Rows of panels: whole blocks of columns, parts of them, all radices, and prime numbers (683·2, 97·28, 1087).
+TYPED_TEST(LineTransforms, AreTheDefinitionForPanels) {
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    for (const int length : {1001, 1024, 1050, 1087, 1280, 1366, 1920, 2187, 2716, 3840, 4096, 4099, 4199})
+      TestFixture::expect_the_definition(length, 7);
   }
 }
 
-// A plan for aligned data would crash for some of these lengths.
-TEST(FftBatch, TakesDataThatAreNotAligned) {
-  for (const int n : {6, 20, 30, 36, 45, 50, 60, 84, 90, 126, 150, 200, 250, 270, 300, 450, 750, 1350}) {
-    const auto data = noise<float>(n + 1);
-    AlignedVector<std::complex<float>> aligned(data.begin() + 1, data.end()), expected(aligned.size()),
+// Within an epsilon (two roundings of an angle up to π/4, one of each part) for any length.
+TEST(RootOfUnity, IsExact) {
+  for (const int64_t n : {1, 2, 3, 8, 12, 1000, 1087, 1 << 20})
+    for (int64_t k = 0; k < n; k += 1 + n / 1000) {
+      const std::complex<long double> exact = std::polar(1.0L, -turn * (long double)k / (long double)n);
+      ASSERT_LT(std::abs(std::complex<long double>(root_of_unity(k, n)) - exact), 2.2e-16L) << k << " of " << n;
+    }
+}
+
+TYPED_TEST(LineTransforms, TakeDataThatAreNotAligned) {
+  for (const int n : {6, 60, 250, 1280, 1366}) {
+    const auto data = noise<TypeParam>(n + 1);
+    AlignedVector<std::complex<TypeParam>> aligned(data.begin() + 1, data.end()), expected(aligned.size()),
         out(data.size());
-    const FftBatch<float> transform(n, {}, FftDirection::forward);
+    const Fft<TypeParam> transform(n, FftDirection::forward);
     transform(aligned.data(), expected.data());
     transform(data.data() + 1, out.data() + 1);
-    for (int k = 0; k < n; ++k)
-      EXPECT_LT(std::abs(out[size_t(k + 1)] - expected[size_t(k)]), 1e-5 * std::sqrt(n)) << n;  // rounding of floats
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), out.begin() + 1)) << n;
   }
 }
 
+// The result of one thread does not depend on what it transformed before: its memory is used again.
+TYPED_TEST(LineTransforms, DoNotDependOnEarlierOnes) {
+  const auto data = noise<TypeParam>(1366);
+  AlignedVector<std::complex<TypeParam>> first(data.size()), second(data.size());
+  const Fft<TypeParam> transform(1366, FftDirection::forward);
+  transform(data.data(), first.data());
+  AlignedVector<std::complex<TypeParam>> nothing(4096, std::numeric_limits<TypeParam>::quiet_NaN());
+  for (const int n : {4096, 2880, 1280, 17}) Fft<TypeParam>(n, FftDirection::backward)(nothing.data());
+  transform(data.data(), second.data());
+  EXPECT_EQ(first, second);
+}
+
+// 20 columns are a block and a part of one.
 TEST(Fft, TransformsRowsAndColumns) {
   const int ny = 9, nx = 20;
   auto data = noise<double>(ny * nx);
@@ -107,51 +142,16 @@ TEST(Fft, HasGoodLengthsOfSmallFactors) {
     ASSERT_EQ(rest, 1) << n;
     ASSERT_GE(length, n);
     ASSERT_LE(length, n + n / 4 + 1) << "memory for " << n;
-    if (n > 64) {
-      ASSERT_EQ(length % 4, 0) << "four samples are a register: " << n;
-    }
   }
-  EXPECT_EQ(fft_good_length(4006), 4096) << "not 4050, which takes 1.8 times as long";
-  EXPECT_EQ(fft_good_length(2174), 2304) << "not 2187, which takes three times as long";
+  EXPECT_EQ(fft_good_length(4006), 4096) << "not 4050, which takes a quarter longer";
+  EXPECT_EQ(fft_good_length(2174), 2250) << "not 2187, which takes a third longer";
   EXPECT_EQ(fft_good_length(3839), 3840);
   EXPECT_EQ(fft_good_length(2160), 2160);
   EXPECT_EQ(fft_good_length(7), 8);
   EXPECT_EQ(fft_good_length(0), 1);
 }
 
-// A program takes from the store what another one measured, and plans alike.
-TEST(Fft, UsesItsStoreForEachNewPlanAndKeepsTheWisdom) {
-  std::string kept = "no wisdom";  // invalid wisdom is ignored
-  int opened = 0, closed = 0;
-  FftWisdomStore store;
-  store.open = [&] {
-    ++opened;
-    return kept;
-  };
-  store.close = [&](const std::string& wisdom) {
-    ++closed;
-    kept = wisdom;
-  };
-  set_fft_wisdom_store(store);
-  const Fft<float> first(1155, FftDirection::forward), again(1155, FftDirection::forward);
-  EXPECT_EQ(opened, 1);
-  EXPECT_EQ(closed, 1);
-  // One transform out of place; with one transform, a different distance is the same problem for FFTW, which has a plan.
-  const FftBatch<float> batch(1155, {}, FftDirection::forward);
-  EXPECT_EQ(opened, 2);
-  const FftBatch<float> known(1155, {.input_distance = 7, .output_distance = 7}, FftDirection::forward);
-  EXPECT_EQ(opened, 2);
-  EXPECT_EQ(closed, 2);
-  set_fft_wisdom_store({[] { return std::string(); }, [](const std::string&) {}});
-  EXPECT_NE(kept.find("fftwf_wisdom"), std::string::npos);  // wisdom of both precisions
-  EXPECT_NE(kept.find("fftw_wisdom"), std::string::npos);
-}
-
 TEST(Fft, RefusesATransformOfNothing) { EXPECT_THROW(Fft<float>(0, FftDirection::forward), Error); }
-
-TEST(FftBatch, RefusesATransformOfNothing) {
-  EXPECT_THROW(FftBatch<float>(8, {.count = 0}, FftDirection::forward), Error);
-}
 
 }  // namespace
 }  // namespace holotrace

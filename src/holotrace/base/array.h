@@ -20,7 +20,7 @@ template <class T>
 using AlignedAllocator = tbb::cache_aligned_allocator<T>;
 #endif
 
-/// A contiguous buffer aligned for SIMD and FFTW.
+/// A contiguous buffer aligned for vectors.
 template <class T>
 using AlignedVector = std::vector<T, AlignedAllocator<T>>;
 

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/fft.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/progress_file.h"
@@ -16,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json versions() { return {{"holotrace", HOLOTRACE_VERSION}, {"fftw", fft_library_version()}}; }
+Json versions() { return {{"holotrace", HOLOTRACE_VERSION}}; }
 
 // A report as JSON; empty if there is none at the path. It is an output, so read_text, which notes inputs, is not used.
 nlohmann::json read_report(const std::string& path) {

@@ -66,10 +66,10 @@ using Complex = std::complex<float>;
 PixelLine::PixelLine(int pixels, int samples_per_pixel, int terms, double lit, double scale)
     : pixels_(pixels),
       samples_(pixels * samples_per_pixel),
-      pixels_forward_(pixels, {}, FftDirection::forward),
-      pixels_backward_(pixels, {}, FftDirection::backward),
-      samples_forward_(samples_, {}, FftDirection::forward),
-      samples_backward_(samples_, {}, FftDirection::backward),
+      pixels_forward_(pixels, FftDirection::forward),
+      pixels_backward_(pixels, FftDirection::backward),
+      samples_forward_(samples_, FftDirection::forward),
+      samples_backward_(samples_, FftDirection::backward),
       pixels_of_block_(pixels),
       samples_of_block_(samples_),
       weights_(size_t(terms) * size_t(samples_)) {

@@ -93,7 +93,7 @@ class PixelLine {
 
  private:
   int pixels_, samples_;
-  FftBatch<float> pixels_forward_, pixels_backward_, samples_forward_, samples_backward_;  // of a row
+  Fft<float> pixels_forward_, pixels_backward_, samples_forward_, samples_backward_;  // of a row
   ColumnFft<float> pixels_of_block_, samples_of_block_;
   AlignedVector<std::complex<float>> weights_, conjugates_;  // [term][sample frequency]
   mutable Workspace workspace_;

@@ -38,8 +38,8 @@ class Convolution {
         out_(outputs),
         p_(*links.front().propagator),
         is_band_limited_(p_.x.frequencies() < p_.x.padded || p_.y.frequencies() < p_.y.padded),
-        forward_x_(p_.x.part_length(), {}, FftDirection::forward),
-        backward_x_(p_.x.part_length(), {}, FftDirection::backward),
+        forward_x_(p_.x.part_length(), FftDirection::forward),
+        backward_x_(p_.x.part_length(), FftDirection::backward),
         along_y_(p_.y.part_length()) {
     for (int part = 0; part < p_.y.parts; ++part) parts_y_.emplace_back(p_.y, part, 1);
     for (const ConvolutionLink<Real>& link : links)
@@ -278,7 +278,7 @@ class Convolution {
   const Propagator<Real>& p_;  // its axes are those of all
   const bool is_band_limited_;
   double dropped_ = 0;
-  const FftBatch<Real> forward_x_, backward_x_;
+  const Fft<Real> forward_x_, backward_x_;
   const ColumnFft<Real> along_y_;
   std::vector<AxisPart<Real>> parts_y_;
   std::vector<std::vector<Complex>> ramps_x_, ramps_y_;           // of each link; ramps_x_ for the part of x at work

@@ -3,8 +3,10 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
+#include "holotrace/base/column_fft.h"
 #include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/threads.h"
@@ -27,8 +29,22 @@ void each_run(int first, int count, int length, const Work& work) {
 // The work space of a thread for a block of columns. Beyond the rows of the input, `rows` stays 0.
 template <class Real>
 struct ColumnWork {
-  AlignedVector<std::complex<Real>> rows, columns, results, bins, sum;
+  AlignedVector<std::complex<Real>> rows, spectrum, columns, results, bins, sum;
 };
+
+// columns[c][i] = rows[i][c], for blocks of columns.
+template <class Real>
+void turn_to_columns(const std::complex<Real>* rows, int count, std::complex<Real>* columns) {
+  alignas(64) std::array<std::complex<Real>, size_t(column_block) * column_block> square;
+  for (int first = 0; first < count; first += column_block) {
+    std::array<const std::complex<Real>*, column_block> from;
+    for (int i = 0; i < column_block; ++i) from[size_t(i)] = rows + std::min(first + i, count - 1) * column_block;
+    turn_to_rows(from, column_block, square.data());
+    for (int c = 0; c < column_block; ++c)
+      std::copy_n(square.data() + c * column_block, std::min(column_block, count - first),
+                  columns + size_t(c) * size_t(count) + first);
+  }
+}
 
 // Calls write(o, sum) for each row o of the output, from any thread; sum(to) computes the row.
 template <class Real, class Write>
@@ -38,7 +54,7 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
   const PropagationAxis &x = p.x, &y = p.y;
   const WindowSum<Real> sum_x(x), sum_y(y);
   const Fft<Real> forward_x(x.padded, FftDirection::forward);
-  const FftBatch<Real> to_columns(y.padded, {column_block, column_block, 1, 1, y.padded}, FftDirection::forward);
+  const ColumnFft<Real> forward_y(y.padded);
 
   // 1. Along x: the frequencies in use, each once even if the kernel extends beyond the input's band.
   const int entering = std::min(x.frequencies(), x.padded), count = x.frequencies();
@@ -57,14 +73,17 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
   // 2. Along y: a block of columns at a time.
   tbb::enumerable_thread_specific<ColumnWork<Real>> works([&] {
     const size_t size = size_t(y.padded) * column_block;
-    return ColumnWork<Real>{AlignedVector<Complex>(size), AlignedVector<Complex>(size),
+    return ColumnWork<Real>{AlignedVector<Complex>(size),
+                            AlignedVector<Complex>(size),
+                            AlignedVector<Complex>(size),
                             AlignedVector<Complex>(size_t(y.outputs) * column_block),
-                            AlignedVector<Complex>(size_t(y.frequencies())), AlignedVector<Complex>(sum_y.work_size())};
+                            AlignedVector<Complex>(size_t(y.frequencies())),
+                            AlignedVector<Complex>(sum_y.work_size())};
   });
   LargeBuffer<Complex> after(size_t(count) * size_t(y.outputs));
   parallel_for(0, before.blocks_of(count), [&](int64_t b) {
     const int first = int(b) * column_block, used = std::min(column_block, count - first);
-    auto& [rows, columns, results, frequencies, work] = works.local();
+    auto& [rows, spectrum, columns, results, frequencies, work] = works.local();
     Complex* const bins = frequencies.data();
     if (first + used <= entering)
       std::copy_n(before.at(int(b), 0), y.inputs * column_block, rows.data());
@@ -75,7 +94,8 @@ void transform_rows(const BasicField<Real>& field, const Propagator<Real>& p, co
         for (int j = 0; j < y.inputs; ++j)
           rows[size_t(j) * column_block + size_t(c)] = column[size_t(j) * column_block];
       }
-    to_columns(rows.data(), columns.data());
+    forward_y(FftDirection::forward, rows.data(), spectrum.data(), columns.data());
+    turn_to_columns(spectrum.data(), y.padded, columns.data());
     for (int c = 0; c < used; ++c) {
       const Complex *column = columns.data() + size_t(c) * size_t(y.padded), *h = p.transfer.row(first + c);
       each_run(y.first, y.frequencies(), y.padded,

@@ -10,7 +10,7 @@
 namespace holotrace {
 namespace {
 
-// The rates belong to the machine and not to the caller, as FFTW's plans do: one instance for the whole program.
+// The rates belong to the machine and not to the caller: one instance for the whole program.
 struct Machine {
   std::recursive_mutex mutex;  // recursive: a measurement may itself sum waves and ask for the rates
   std::function<SummationRates()> measure;
