@@ -10,7 +10,6 @@ find_dependency(embree 3)
 # Pictures: each format by the small library made for it.
 find_dependency(PNG)
 find_dependency(JPEG)
-find_dependency(TIFF)
 find_dependency(GIF)
 find_dependency(WebP)
 find_dependency(OpenEXR)

@@ -25,29 +25,17 @@ TEST(Reproducible, TheSameBytesComeFromOneTwoAndSevenThreads) {
   }
 }
 
+// Nothing that a run measures or keeps changes how a later one rounds.
 TEST(Reproducible, TheFirstRunOnAMachineGivesTheBytesOfTheNext) {
-  // The first run measures FFTW's plans and saves them; later runs read them and round in the same way.
   const Workplace work;
   work.write("scene.toml", mesh_scene());
   expect_success(work, {"field", "scene.toml", "-o", "f.npy"});
-  work.clear_cache();
-  for (const std::string name : {"g1.npy", "g2.npy", "g3.npy"})
+  for (const std::string name : {"g1.npy", "g2.npy", "g3.npy"}) {
+    if (name != "g3.npy") work.clear_cache();
     expect_success(work, {"propagate", "f.npy", "--distance", "30 mm", "-o", name, "--threads", "3"});
+  }
   EXPECT_TRUE(work.read("g1.npy") == work.read("g2.npy"));
   EXPECT_TRUE(work.read("g1.npy") == work.read("g3.npy"));
-}
-
-TEST(Reproducible, AnotherMachinesPlansChangeNoMoreThanTheRounding) {
-  // Newly measured plans may differ, and each rounds in its own order: the bytes may differ, the field does not.
-  const Workplace work;
-  work.write("scene.toml", mesh_scene());
-  expect_success(work, {"field", "scene.toml", "-o", "f.npy"});
-  expect_success(work, {"propagate", "f.npy", "--distance", "30 mm", "-o", "here.npy"});
-  work.clear_cache();
-  expect_success(work, {"propagate", "f.npy", "--distance", "30 mm", "-o", "there.npy"});
-  const Field here = load_field(work.path("here.npy")), there = load_field(work.path("there.npy"));
-  // Single precision is within 1e-6 of the direct sum (design, section 3.6), so two results agree to 2e-6.
-  EXPECT_LT(holotrace::test::relative_error(here, there), 2e-6);
 }
 
 TEST(Reproducible, TheSameSeedGivesTheSameBytesAndAnotherSeedOthers) {

@@ -244,11 +244,11 @@ TEST(SafeFiles, AFolderIsForOneRunAtATime) {
 TEST(SafeFiles, AStoppedProgramThatHoldsTheCacheStopsNoOther) {
   const Workplace work;
   make_hologram(work);
-  const int lock = open((work.cache_path("fftw_wisdom") + ".lock").c_str(), O_RDWR);
+  const int lock = open((work.cache_path("summation_rates.json") + ".lock").c_str(), O_RDWR);
   ASSERT_GE(lock, 0);
   ASSERT_EQ(flock(lock, LOCK_EX), 0);
-  std::filesystem::remove(work.cache_path("fftw_wisdom"));
-  const Outcome outcome = work.run({"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy"});
+  std::filesystem::remove(work.cache_path("summation_rates.json"));
+  const Outcome outcome = work.run({"field", "scene.toml", "-o", "g.npy"});
   close(lock);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const size_t at = outcome.err.find("locked by another program");
@@ -259,10 +259,10 @@ TEST(SafeFiles, AStoppedProgramThatHoldsTheCacheStopsNoOther) {
 TEST(SafeFiles, FoldersInTheCachesPlaceAreNoError) {
   const Workplace work;
   make_hologram(work);
-  for (const char* name : {"fftw_wisdom", "fftw_wisdom.lock"}) {
+  for (const char* name : {"summation_rates.json", "summation_rates.json.lock"}) {
     std::filesystem::remove_all(work.cache_path(name));
     std::filesystem::create_directory(work.cache_path(name));
-    expect_quiet_success(work, {"propagate", "f.npy", "--distance", "10 mm", "-o", "g.npy"});
+    expect_quiet_success(work, {"field", "scene.toml", "-o", "g.npy"});
   }
 }
 

@@ -454,8 +454,9 @@ TEST(Eyes, SeeWhatIsInFrontOfThePanel) {
   ASSERT_GT(sum, 0);
   EXPECT_NEAR(x / sum, -2e-4, 5e-6);
   EXPECT_NEAR(y / sum, 0, 5e-6);
-  // The pupil blurs by λs/D = 16 µm: 8 % of the side's moment, side²/12.
-  EXPECT_NEAR(wide / sum, std::pow(3e-4, 2) / 12, 0.1 * std::pow(3e-4, 2) / 12);
+  // The pupil blurs by λs/D = 16 µm: 8 to 10 % of the side's moment, side²/12, for the moment of an Airy disc grows with the
+  // window around it.
+  EXPECT_NEAR(wide / sum, std::pow(3e-4, 2) / 12, 0.12 * std::pow(3e-4, 2) / 12);
 }
 
 TEST(Eyes, MustBeWhereLightOfThePanelComes) {

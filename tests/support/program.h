@@ -16,7 +16,7 @@ struct Outcome {
 };
 
 /// A folder for one test, removed afterwards, in which the program runs with a separate cache folder: no
-/// test sees the files or the FFTW wisdom of another.
+/// test sees the files of another.
 class Workplace {
  public:
   Workplace();
@@ -47,7 +47,7 @@ class Workplace {
   /// A file of the program's cache folder, such as summation_rates.json.
   std::string cache_path(const std::string& name) const { return (cache_ / "holotrace" / name).string(); }
 
-  /// Removes FFTW's plans, as on a machine where the program never ran.
+  /// Removes what the program keeps, as on a machine where it never ran.
   void clear_cache() const;
 
  private:

@@ -1,4 +1,4 @@
-// Transforms of lines on every OpenCL device, against FFTW's in double.
+// Transforms of lines on every OpenCL device, against those of the processor in double.
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ double error_on(Device& device, Expected expected, int lines) {
 constexpr double rounding = 1e-6;
 
 // Held lines of every group's size and with each factor first, last and repeated; long lines; other factors; primes.
-TEST_P(DeviceTransforms, AreThoseOfFftwForLengthsOfAnyFactors) {
+TEST_P(DeviceTransforms, AreThoseOfTheProcessorForLengthsOfAnyFactors) {
   for (const int length : {1,    2,    3,    4,    5,    6,    8,    15, 64, 81,   240,  625, 1000,
                            1024, 1080, 1536, 2048, 3125, 3840, 4096, 7,  97, 1001, 4320, 8192})
     for (const FftDirection direction : {FftDirection::forward, FftDirection::backward})

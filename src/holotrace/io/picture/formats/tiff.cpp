@@ -1,3 +1,4 @@
+#include <dlfcn.h>
 #include <tiffio.h>
 
 #include <algorithm>
@@ -5,10 +6,64 @@
 #include <cstring>
 #include <memory>
 
+#include "holotrace/base/error.h"
 #include "holotrace/io/picture/formats/formats.h"
 
 namespace holotrace {
 namespace {
+
+// A function of libtiff, which is loaded when a TIFF is read: Debian's needs libjbig, which is under the GPL.
+class LibtiffFunction {
+ public:
+  explicit LibtiffFunction(const char* name) : address_(dlsym(library(), name)) {
+    require(address_ != nullptr, "expected a function {} in {}, found none; install libtiff6 again", name, file_);
+  }
+  template <class Function>
+  operator Function*() const {
+    return reinterpret_cast<Function*>(address_);
+  }
+
+ private:
+  static constexpr const char* file_ = "libtiff.so.6";
+
+  static void* library() {
+    static void* const found = dlopen(file_, RTLD_NOW | RTLD_LOCAL);
+    require(found != nullptr,
+            "expected libtiff 4.5 or later ({}) to read a TIFF, found none; install libtiff6, or save the "
+            "picture as a PNG",
+            file_);
+    return found;
+  }
+
+  void* address_;
+};
+
+struct Libtiff {
+  decltype(&TIFFOpenOptionsAlloc) make_options = LibtiffFunction("TIFFOpenOptionsAlloc");
+  decltype(&TIFFOpenOptionsFree) free_options = LibtiffFunction("TIFFOpenOptionsFree");
+  decltype(&TIFFOpenOptionsSetErrorHandlerExtR) set_error_handler =
+      LibtiffFunction("TIFFOpenOptionsSetErrorHandlerExtR");
+  decltype(&TIFFOpenOptionsSetWarningHandlerExtR) set_warning_handler =
+      LibtiffFunction("TIFFOpenOptionsSetWarningHandlerExtR");
+  decltype(&TIFFOpenOptionsSetMaxSingleMemAlloc) set_most_memory =
+      LibtiffFunction("TIFFOpenOptionsSetMaxSingleMemAlloc");
+  decltype(&TIFFClientOpenExt) open = LibtiffFunction("TIFFClientOpenExt");
+  decltype(&TIFFClose) close = LibtiffFunction("TIFFClose");
+  decltype(&TIFFGetFieldDefaulted) get_field = LibtiffFunction("TIFFGetFieldDefaulted");
+  decltype(&TIFFSetField) set_field = LibtiffFunction("TIFFSetField");
+  decltype(&TIFFIsTiled) is_tiled = LibtiffFunction("TIFFIsTiled");
+  decltype(&TIFFScanlineSize) scanline_size = LibtiffFunction("TIFFScanlineSize");
+  decltype(&TIFFReadScanline) read_scanline = LibtiffFunction("TIFFReadScanline");
+  decltype(&TIFFTileSize) tile_size = LibtiffFunction("TIFFTileSize");
+  decltype(&TIFFReadTile) read_tile = LibtiffFunction("TIFFReadTile");
+  decltype(&TIFFReadRGBAImageOriented) read_rgba = LibtiffFunction("TIFFReadRGBAImageOriented");
+  decltype(&TIFFRGBAImageOK) can_read_rgba = LibtiffFunction("TIFFRGBAImageOK");
+};
+
+const Libtiff& libtiff() {
+  static const Libtiff library;
+  return library;
+}
 
 using Tiff = std::unique_ptr<TIFF, void (*)(TIFF*)>;
 
@@ -25,25 +80,25 @@ toff_t seek(thandle_t handle, toff_t offset, int from) {
 }
 
 Tiff open(ByteSource& source, tmsize_t most_memory) {
-  TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
+  TIFFOpenOptions* options = libtiff().make_options();
   const auto silent = [](TIFF*, void*, const char*, const char*, va_list) { return 1; };
-  TIFFOpenOptionsSetErrorHandlerExtR(options, silent, nullptr);
-  TIFFOpenOptionsSetWarningHandlerExtR(options, silent, nullptr);
-  TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_memory);
-  TIFF* file = TIFFClientOpenExt(
+  libtiff().set_error_handler(options, silent, nullptr);
+  libtiff().set_warning_handler(options, silent, nullptr);
+  libtiff().set_most_memory(options, most_memory);
+  TIFF* file = libtiff().open(
       source.name().c_str(), "rm", &source, read, [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; }, seek,
       [](thandle_t) { return 0; }, [](thandle_t handle) { return toff_t(source_of(handle).size()); }, nullptr, nullptr,
       options);
-  TIFFOpenOptionsFree(options);
+  libtiff().free_options(options);
   return {file, [](TIFF* one) {
-            if (one) TIFFClose(one);
+            if (one) libtiff().close(one);
           }};
 }
 
 template <class Value>
 Value tag(TIFF* file, uint32_t name, Value otherwise) {
   Value value = otherwise;
-  return TIFFGetFieldDefaulted(file, name, &value) ? value : otherwise;
+  return libtiff().get_field(file, name, &value) ? value : otherwise;
 }
 
 // How the file keeps its samples.
@@ -67,7 +122,7 @@ Layout layout_of(TIFF* file, PictureHeader& header) {
   const bool has_type = (format == SAMPLEFORMAT_UINT && (bits == 8 || bits == 16)) ||
                         (format == SAMPLEFORMAT_IEEEFP && bits == 32 && !layout.is_white_0);
   const bool is_colour = photometric == PHOTOMETRIC_RGB && (layout.samples == 3 || layout.samples == 4);
-  layout.is_plain = has_type && (layout.is_grey || is_colour) && !(TIFFIsTiled(file) && layout.is_separate);
+  layout.is_plain = has_type && (layout.is_grey || is_colour) && !(libtiff().is_tiled(file) && layout.is_separate);
   if (layout.is_plain) {
     header.type = bits == 8 ? SampleType::bits_8 : bits == 16 ? SampleType::bits_16 : SampleType::floats;
     header.channels = channels_named(layout.samples);
@@ -79,10 +134,10 @@ Layout layout_of(TIFF* file, PictureHeader& header) {
 
 bool read_lines(TIFF* file, const Layout& layout, const PictureHeader& header, size_t sample_size, char* to) {
   const size_t pixel = size_t(layout.samples) * sample_size, row_size = size_t(header.columns) * pixel;
-  std::vector<char> line(std::max<size_t>(size_t(std::max<tmsize_t>(TIFFScanlineSize(file), 0)), row_size));
+  std::vector<char> line(std::max<size_t>(size_t(std::max<tmsize_t>(libtiff().scanline_size(file), 0)), row_size));
   for (int plane = 0; plane < (layout.is_separate ? layout.samples : 1); ++plane)
     for (int row = 0; row < header.rows; ++row) {
-      if (TIFFReadScanline(file, line.data(), uint32_t(row), uint16_t(plane)) != 1) return false;
+      if (libtiff().read_scanline(file, line.data(), uint32_t(row), uint16_t(plane)) != 1) return false;
       char* target = to + size_t(row) * row_size;
       if (!layout.is_separate)
         std::memcpy(target, line.data(), row_size);
@@ -99,13 +154,14 @@ bool read_tiles(TIFF* file, const Layout& layout, const PictureHeader& header, s
   const int columns = int(std::min<uint32_t>(tag<uint32_t>(file, TIFFTAG_TILEWIDTH, 0), INT32_MAX));
   const int rows = int(std::min<uint32_t>(tag<uint32_t>(file, TIFFTAG_TILELENGTH, 0), INT32_MAX));
   const size_t pixel = size_t(layout.samples) * sample_size;
-  if (columns < 1 || rows < 1 || size_t(TIFFTileSize(file)) < size_t(columns) * size_t(rows) * pixel) return false;
+  if (columns < 1 || rows < 1 || size_t(libtiff().tile_size(file)) < size_t(columns) * size_t(rows) * pixel)
+    return false;
   // A tile may be larger than the picture, but not without bound: its size is a claim of the file.
-  if (size_t(TIFFTileSize(file)) > most_tile_memory) return false;
-  std::vector<char> tile(size_t(TIFFTileSize(file)));
+  if (size_t(libtiff().tile_size(file)) > most_tile_memory) return false;
+  std::vector<char> tile(size_t(libtiff().tile_size(file)));
   for (int64_t y = 0; y < header.rows; y += rows)
     for (int64_t x = 0; x < header.columns; x += columns) {
-      if (TIFFReadTile(file, tile.data(), uint32_t(x), uint32_t(y), 0, 0) < 0) return false;
+      if (libtiff().read_tile(file, tile.data(), uint32_t(x), uint32_t(y), 0, 0) < 0) return false;
       const size_t width = size_t(std::min<int64_t>(columns, header.columns - x)) * pixel;
       for (int64_t row = y; row < std::min<int64_t>(y + rows, header.rows); ++row)
         std::memcpy(to + (size_t(row) * size_t(header.columns) + size_t(x)) * pixel,
@@ -118,9 +174,10 @@ bool read_tiles(TIFF* file, const Layout& layout, const PictureHeader& header, s
 bool read_converted(TIFF* file, const Layout& layout, Picture& picture) {
   const size_t count = size_t(picture.columns) * size_t(picture.rows);
   std::vector<uint32_t> pixels(count);
-  TIFFSetField(file, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);  // libtiff would turn rows, but not exchange axes
-  if (!TIFFReadRGBAImageOriented(file, uint32_t(picture.columns), uint32_t(picture.rows), pixels.data(),
-                                 ORIENTATION_TOPLEFT, 1))
+  libtiff().set_field(file, TIFFTAG_ORIENTATION,
+                      ORIENTATION_TOPLEFT);  // libtiff would turn rows, but not exchange axes
+  if (!libtiff().read_rgba(file, uint32_t(picture.columns), uint32_t(picture.rows), pixels.data(), ORIENTATION_TOPLEFT,
+                           1))
     return false;
   auto& values = std::get<std::vector<uint8_t>>(picture.samples);
   for (size_t i = 0; i < count; ++i)
@@ -158,8 +215,8 @@ std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
   const int orientation = tag<uint16_t>(file.get(), TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
   picture.orientation = orientation >= 1 && orientation <= 8 ? orientation : 1;
   const Layout layout = layout_of(file.get(), picture);
-  std::array<char, 1024> reason{};  // as TIFFRGBAImageOK wants it
-  if (!layout.is_plain && !TIFFRGBAImageOK(file.get(), reason.data())) return std::nullopt;
+  std::array<char, 1024> reason{};  // as libtiff wants it
+  if (!layout.is_plain && !libtiff().can_read_rgba(file.get(), reason.data())) return std::nullopt;
   if (!wants(picture)) return picture;
 
   picture.samples = samples_for(picture);
@@ -168,7 +225,7 @@ std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
     return picture;
   }
   const auto read_all = [&](auto& values) {
-    const auto read_plain = TIFFIsTiled(file.get()) ? read_tiles : read_lines;
+    const auto read_plain = libtiff().is_tiled(file.get()) ? read_tiles : read_lines;
     return read_plain(file.get(), layout, picture, sizeof values[0], reinterpret_cast<char*>(values.data()));
   };
   picture.is_complete = std::visit(read_all, picture.samples);
