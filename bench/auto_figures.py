@@ -12,6 +12,8 @@ import time
 
 import numpy as np
 
+import warnings
+
 import holotrace as ht
 
 PIXELS_PER_SECOND = 4e10  # waves × pixels that tiles sum at least in a second on two cores
@@ -19,11 +21,11 @@ METHODS = ("auto", "tiled", "planes")
 
 
 def panels():
-    return {"full HD": ht.Slm("pluto"), "512": ht.Slm("pluto", nx=512, ny=512)}
+    return {"full HD": ht.Slm("pluto"), "512": ht.Slm(columns=512, rows=512, pitch="8 um")}
 
 
 def waves(random, count, panel, depth, spread):
-    half = np.array([panel.nx, panel.ny]) * panel.pitch / 2
+    half = np.array([panel.columns, panel.rows]) * panel.pitch / 2
     places = np.empty((count, 3))
     places[:, :2] = random.uniform(-1.5, 1.5, (count, 2)) * half
     places[:, 2] = depth * (1 + spread * random.uniform(-0.5, 0.5, count))
@@ -50,7 +52,7 @@ def main():
         way = ""
         for turn in range(5):
             for method in METHODS:
-                least = count * panel.nx * panel.ny / PIXELS_PER_SECOND / 20
+                least = count * panel.columns * panel.rows / PIXELS_PER_SECOND / 20
                 if method == "tiled" and least > 3 * best["auto"]:
                     continue
                 if turn > 1 and (best["auto"] > 2 or best[method] > 3 * best["auto"]):

@@ -1,7 +1,6 @@
 // The steps of holotrace bench that sum waves (exact, each kernel of tiled, planes, auto), slices and triangles.
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,6 @@
 #include "bench/bench.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/machine.h"
-#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/estimate/machine/ceilings.h"
 #include "holotrace/estimate/machine/timing.h"
@@ -113,16 +111,9 @@ TilePlan plan_for(const TiledKernel& kernel, const std::vector<PreparedWave>& wa
   fail("expected a tolerance that {} meets, got {:g}", kernel.name(), tolerance);
 }
 
-Field sum_by(const TilePlan& plan, const std::vector<PreparedWave>& waves, const Grid& panel, double wavelength) {
+Field sum_by(const TilePlan& plan, PreparedWaves waves, const Grid& panel, double wavelength) {
   Field field(panel, wavelength);
-  const TileShape tile = plan.shape;
-  const int across = (panel.nx + tile.columns - 1) / tile.columns, down = (panel.ny + tile.rows - 1) / tile.rows;
-  tbb::enumerable_thread_specific<TileWorkspace> workspaces;
-  parallel_for(0, int64_t(across) * down, [&](int64_t t) {
-    const int x0 = int(t % across) * tile.columns, y0 = int(t / across) * tile.rows;
-    const PixelBox box{x0, std::min(x0 + tile.columns, panel.nx), y0, std::min(y0 + tile.rows, panel.ny)};
-    sum_tile(waves, {panel, wavelength}, plan, box, workspaces.local(), field.samples);
-  });
+  sum_tiles(waves, {panel, wavelength}, plan, {0, panel.nx, 0, panel.ny}, field.samples);
   return field;
 }
 

@@ -229,10 +229,11 @@ TEST(AstigmaticWaves, TheErrorOfTilesIsKnown) {
   for (const TileShape shape : {TileShape{128, 120}, TileShape{32, 30}, TileShape{32, 4}, TileShape{32, 1}}) {
     Field field(grid, green);
     TileWorkspace workspace;
+    list_waves(waves, {0, grid.nx, 0, grid.ny}, workspace.waves);
     for (int y = 0; y < grid.ny; y += shape.rows)
       for (int x = 0; x < grid.nx; x += shape.columns)
-        sum_tile(waves, {grid, green}, {shape}, {x, x + shape.columns, y, std::min(y + shape.rows, grid.ny)}, workspace,
-                 field.samples);
+        sum_tile(workspace.waves, {grid, green}, {shape}, {x, x + shape.columns, y, std::min(y + shape.rows, grid.ny)},
+                 workspace, field.samples);
     const SplitEnergies split = measure_split(draw_pixels(waves), grid, {0, grid.nx, 0, grid.ny}, green, shape);
     // 8192 pixels of 150 waves: a tenth.
     EXPECT_NEAR(relative_error(field, expected) / std::hypot(std::sqrt(split.error / split.waves), rounding_error({})),

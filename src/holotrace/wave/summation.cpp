@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -29,9 +30,10 @@ namespace {
 /// The waves of one part of the panel, split into those for `planes` (far) and for tiles (near), and both plans. The plan
 /// for tiles also serves the light of far waves in tiles that they light partly.
 struct PartPlan {
-  std::vector<PreparedWave> far, near;
-  PlanesChoice planes;
-  TileChoice tiles;
+  PreparedWaves far{}, near{};  // of the part's waves, or of `split`
+  std::array<std::vector<PreparedWave>, 2> split{};
+  PlanesChoice planes{};
+  TileChoice tiles{};
 
   bool meets_tolerance() const {
     return (far.empty() || planes.meets_tolerance) && tiles.meets_tolerance;  // `planes` also uses tiles
@@ -42,21 +44,15 @@ struct PartPlan {
 
 constexpr double unmeasured = std::numeric_limits<double>::infinity();  // seconds on a device that was not measured
 
-constexpr double from_memory = 1.6;      // the rates hold for a tile in the caches; `planes` reads all waves per tile
-constexpr double seconds_to_plan = 0.2;  // for `planes`; it pays for many waves only
-// For `planes` on a device: fewer kinds of plans are compared; and a thread of the processor sorts a wave, and cuts its box.
-constexpr double seconds_to_plan_for_device = 0.05, seconds_to_sort = 6e-7;
-
-SummationWork work_of_tiles(const std::vector<PreparedWave>& waves, const TilePlan& plan) {
-  double pixels = 0;
-  for (const PreparedWave& wave : waves) pixels += double(wave.box.pixels());
-  return pixels * tile_work(plan);
-}
+// For `planes`, on one thread: to compare plans, and to sort a wave.
+constexpr double seconds_to_plan = 4e-3, seconds_to_sort = 2e-7;
+// On a device fewer kinds of plans are compared; and a thread of the processor sorts a wave, and cuts its box.
+constexpr double seconds_to_plan_for_device = 0.05, seconds_to_sort_and_cut = 6e-7;
 
 // Seconds of one thread of the processor.
-double seconds_on_processor(const PartPlan& plan) {
-  const double by_planes = plan.far.empty() ? 0 : plan.planes.seconds;
-  return by_planes + predict_seconds(work_of_tiles(plan.near, plan.tiles.plan), summation_rates(), 1);
+double seconds_on_processor(const PartPlan& plan, const PixelBox& bounds) {
+  const double by_planes = plan.far.empty() ? 0 : plan.planes.seconds + seconds_to_sort * double(plan.far.size());
+  return by_planes + predict_seconds(work_of_tiles(plan.near, plan.tiles.plan, bounds), summation_rates(), 1);
 }
 
 // What one sum on a device takes besides its work: the start of kernels, and waiting for them.
@@ -78,7 +74,8 @@ double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const Su
   // Far waves are sent twice: for their whole tiles, and for what they light of others. Each device gets all waves.
   const size_t sent = way.devices.size() * (plan.near.size() + 2 * plan.far.size());
   // On all cores, whatever --threads says: the choice must not depend on it.
-  const double sorting = seconds_to_sort * double(plan.far.size()) / std::max(1U, std::thread::hardware_concurrency());
+  const double sorting =
+      seconds_to_sort_and_cut * double(plan.far.size()) / std::max(1U, std::thread::hardware_concurrency());
   return by_tiles + by_planes + transferred_bytes(sent, way.stays ? PixelBox{} : bounds) / rates.bytes + sorting +
          seconds_of_start;
 }
@@ -101,28 +98,38 @@ PlanesCost planes_cost_on_device(Device& device, TileShape shape) {
           false};
 }
 
-TileChoice choose_tile_for(const std::vector<PreparedWave>& waves, const SumGoal& goal, const Device* device) {
-  const std::vector<DrawnPixel> pixels = draw_pixels(waves);
-  return device ? choose_device_tile(*device, pixels, goal) : choose_tile(pixels, goal);
-}
+// Waves, pixels drawn of them (draw_pixels), and the plan that sums them by tiles.
+struct WavesInTiles {
+  PreparedWaves waves;
+  std::vector<DrawnPixel> drawn;
+  TileChoice tiles;
 
-PartPlan plan_tiles(std::vector<PreparedWave> waves, const SumGoal& goal, const Device* device) {
-  PartPlan plan;
-  plan.tiles = choose_tile_for(waves, goal, device);
-  plan.near = std::move(waves);
-  return plan;
-}
+  WavesInTiles(PreparedWaves waves, const SumGoal& goal, const Device* device)
+      : waves(waves),
+        drawn(draw_pixels(waves)),
+        tiles(device ? choose_device_tile(*device, drawn, goal) : choose_tile(waves, drawn, goal)) {}
 
-PartPlan plan_planes(const std::vector<PreparedWave>& waves, const SumGoal& goal, Device* device, double most_seconds) {
-  PartPlan plan;
-  for (const PreparedWave& wave : waves)
-    (suits_planes(wave, goal.wavelength, goal.grid.pitch) ? plan.far : plan.near).push_back(wave);
-  const std::vector<PreparedWave>& in_tiles = plan.near.empty() ? waves : plan.near;  // or the corners of boxes
-  plan.tiles = choose_tile_for(in_tiles, goal, device);
-  if (plan.far.empty()) return plan;
+  PartPlan plan() const { return {.near = waves, .tiles = tiles}; }
+};
+
+PartPlan plan_planes(const WavesInTiles& all, const SumGoal& goal, Device* device, double most_seconds) {
+  const PreparedWaves waves = all.waves;
+  PartPlan plan = all.plan();
+  const double nearest = least_depth_for_planes(goal.wavelength, goal.grid.pitch);
+  const auto suits = [&](const PreparedWave& wave) { return !wave.astigmatic && wave.depth >= nearest; };
+  const auto count = size_t(std::ranges::count_if(waves, suits));
+  if (count == 0) return plan;
+  if (count == waves.size()) {
+    plan.far = waves, plan.near = {};  // tiles sum the corners of boxes
+  } else {
+    for (const PreparedWave& wave : waves) plan.split[suits(wave) ? 0 : 1].push_back(wave);
+    plan.far = plan.split[0], plan.near = plan.split[1];
+    plan.tiles = WavesInTiles(plan.near, goal, device).tiles;
+  }
   const PlanesCost cost =
       device ? planes_cost_on_device(*device, plan.tiles.plan.shape) : planes_cost_on_processor(plan.tiles.plan);
-  plan.planes = choose_planes(plan.far, cost, goal, most_seconds);
+  plan.planes =
+      choose_planes(plan.far, count == waves.size() ? all.drawn : draw_pixels(plan.far), cost, goal, most_seconds);
   return plan;
 }
 
@@ -133,25 +140,26 @@ std::string name_of(TileProducts products) {
 
 /// The plan of the approach whose expected error is below the tolerance, or the most accurate one if none is. `cheapest` is
 /// that with less predicted time where the waves are to be summed. A device that was not measured sums by tiles then.
-PartPlan make_part_plan(const std::vector<PreparedWave>& waves, const SumGoal& goal, const SumWay& way) {
-  if (way.approach == Approach::planes) return plan_planes(waves, goal, way.device(), 1e300);
-  PartPlan tiles = plan_tiles(waves, goal, way.device());
+PartPlan make_part_plan(PreparedWaves waves, const SumGoal& goal, const SumWay& way) {
+  const WavesInTiles all(waves, goal, way.device());
+  if (way.approach == Approach::planes) return plan_planes(all, goal, way.device(), 1e300);
+  PartPlan tiles = all.plan();
   if (way.approach == Approach::tiled || (way.device() && !is_measured(device_rates(*way.device())))) return tiles;
   const auto seconds = [&](const PartPlan& plan) {
-    return way.device() ? seconds_on_devices(plan, goal.bounds, way) : seconds_on_processor(plan);
+    return way.device() ? seconds_on_devices(plan, goal.bounds, way) : seconds_on_processor(plan, goal.bounds);
   };
   const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
   const double to_plan = way.device() ? seconds_to_plan_for_device : seconds_to_plan;
   if (by_tiles < to_plan) return tiles;
-  PartPlan planes = plan_planes(waves, goal, way.device(), by_tiles);
+  PartPlan planes = plan_planes(all, goal, way.device(), by_tiles);
   if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
-  return (way.device() ? 1 : from_memory) * seconds(planes) + to_plan < by_tiles ? planes : tiles;
+  return seconds(planes) + to_plan < by_tiles ? planes : tiles;
 }
 
 /// Predicted seconds, with all threads, or on all devices of the way; infinite for devices that were not measured.
 double seconds_of(const PartPlan& plan, const PixelBox& bounds, const SumWay& way) {
   if (way.device()) return seconds_on_devices(plan, bounds, way);
-  return (plan.far.empty() ? 1 : from_memory) * seconds_on_processor(plan) / thread_count();
+  return seconds_on_processor(plan, bounds) / thread_count();
 }
 
 /// How the plan sums, in words.
@@ -205,14 +213,14 @@ void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vec
   const Grid& grid = sum.field.grid;
   const double wavelength = sum.field.wavelength;
   const TileShape shape = plan.tiles.plan.shape;
-  const auto by_tiles = [&](const std::vector<PreparedWave>& waves, const MoreLight& more) {
+  const auto by_tiles = [&](PreparedWaves waves, const MoreLight& more) {
     if (sum.there) return sum_tiles_on_device(waves, shape, bounds, *sum.there, observer, more);
     sum_tiles_on_devices(devices, waves, {grid, wavelength}, shape, bounds, sum.field.samples, observer, more);
   };
   if (plan.far.empty()) return by_tiles(plan.near, {});
   const PlanesTables tables(plan.planes.plan, wavelength, grid.pitch);
   const SortedWaves far = sort_waves(plan.far, tables.plan, wavelength, grid.pitch);
-  std::vector<PreparedWave> in_tiles = plan.near;
+  std::vector<PreparedWave> in_tiles(plan.near.begin(), plan.near.end());
   append_rest(far.waves, {grid, bounds, tables.plan.tile, tables.tangent}, in_tiles);
   const PacketedWaves packeted(far, tables, grid, bounds);
   const auto make = [&](Device& device) {
@@ -241,12 +249,8 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<De
         part_of(observer, 0, parts));
   }
   if (!plan.near.empty())
-    for_each_tile<TileWorkspace>(
-        bounds, plan.tiles.plan.shape,
-        [&](const PixelBox& box, TileWorkspace& own) {
-          sum_tile(plan.near, {field.grid, field.wavelength}, plan.tiles.plan, box, own, field.samples);
-        },
-        part_of(observer, parts - 1, parts));
+    sum_tiles(plan.near, {field.grid, field.wavelength}, plan.tiles.plan, bounds, field.samples,
+              part_of(observer, parts - 1, parts));
 }
 
 // Energy of the field in the bounds over the sum of its waves' energies there.
@@ -280,8 +284,8 @@ struct PartSum {
   double predicted_seconds = 0;  // sum over all rounds
 };
 
-PartSum sum_part(const std::vector<PreparedWave>& waves, SumGoal goal, const SumWay& way, bool is_whole,
-                 SummedField& field, const Observer& observer) {
+PartSum sum_part(PreparedWaves waves, SumGoal goal, const SumWay& way, bool is_whole, SummedField& field,
+                 const Observer& observer) {
   const PixelBox& bounds = goal.bounds;
   // If the waves cancel, the second round knows their coherence; a field that nearly vanishes may need a third round.
   PartSum part;

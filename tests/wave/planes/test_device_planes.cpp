@@ -163,7 +163,7 @@ TEST(WholeTiles, AndTheRestCoverTheBoxOnce) {
         EXPECT_LE(std::abs(grid.y(tile.y0 + 30) - wave.y), tiles.tangent * d);
       }
     std::vector<PreparedWave> rest;
-    append_rest({wave}, tiles, rest);
+    append_rest({&wave, 1}, tiles, rest);
     EXPECT_LE(rest.size(), 4u);
     for (const PreparedWave& part : rest) cover(part.box);
     for (int y = 0; y < grid.ny; ++y)

@@ -263,7 +263,8 @@ TEST_P(SumPlanesBox, KnowHowMuchTheirWavesCancel) {
   const auto waves = prepare_waves(sources, grid);
   const PixelBox all{0, grid.nx, 0, grid.ny};
   const TileChoice tiles = choose_tile(waves, grid, green, 1e-3);
-  const PlanesChoice planes = choose_planes(waves, planes_cost_on_processor(tiles.plan), {grid, all, green, 1e-3});
+  const PlanesChoice planes =
+      choose_planes(waves, draw_pixels(waves), planes_cost_on_processor(tiles.plan), {grid, all, green, 1e-3});
   EXPECT_NEAR(planes.energies.waves / tiles.energies.waves, 1, 0.1);  // an eighth of the draws, 1,024 of them
   const FieldDouble exact = sum_exact(sources, grid);
   for (const double tolerance : {1.5e-4, 1.2e-4})

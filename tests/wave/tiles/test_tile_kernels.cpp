@@ -46,8 +46,9 @@ Field one_tile(const Sources& sources, TileShape shape, TileProducts products) {
   const Grid grid{shape.columns, shape.rows, 8_um};
   Field field(grid, green);
   TileWorkspace workspace;
-  sum_tile(prepare_waves(sources, grid), {grid, green}, {shape, products}, {0, grid.nx, 0, grid.ny}, workspace,
-           field.samples);
+  const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
+  list_waves(waves, {0, grid.nx, 0, grid.ny}, workspace.waves);
+  sum_tile(workspace.waves, {grid, green}, {shape, products}, {0, grid.nx, 0, grid.ny}, workspace, field.samples);
   return field;
 }
 

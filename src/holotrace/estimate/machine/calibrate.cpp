@@ -121,8 +121,9 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   const std::vector<PreparedWave> waves = prepare_waves(timed_waves(panel, count, 0.19, 0.21), panel);
   Array2D<std::complex<float>> samples(panel.ny, panel.nx);
   TileWorkspace workspace;
+  list_waves(waves, {0, panel.nx, 0, panel.ny}, workspace.waves);
   return fastest(count * double(panel.pixels()) * tile_work(plan), [&] {
-    sum_tile(waves, {panel, wavelength}, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
+    sum_tile(workspace.waves, {panel, wavelength}, plan, {0, panel.nx, 0, panel.ny}, workspace, samples);
   });
 }
 

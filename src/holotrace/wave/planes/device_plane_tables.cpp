@@ -50,7 +50,7 @@ PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& t) {
   return {x.first, x.end, y.first, y.end};
 }
 
-void append_rest(const std::vector<PreparedWave>& some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves) {
+void append_rest(PreparedWaves some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves) {
   constexpr size_t at_once = 4096;
   const size_t parts = (some.size() + at_once - 1) / at_once;
   // Boxes are counted first, so that the list is made once, in its place.

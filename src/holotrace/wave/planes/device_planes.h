@@ -32,7 +32,7 @@ PixelBox whole_tiles(const PreparedWave& wave, const PlaneTiles& tiles);
 
 /// Appends the light of `some` waves in all other tiles to `waves`: for each up to four waves, with the boxes that are left
 /// around whole_tiles.
-void append_rest(const std::vector<PreparedWave>& some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves);
+void append_rest(PreparedWaves some, const PlaneTiles& tiles, std::vector<PreparedWave>& waves);
 
 // What plane_sum.cl reads besides its grids: waves in packets, and the tables of a plan.
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
@@ -78,10 +79,12 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const WaveDe
                              const PixelBox& bounds, double wavelength, const PlanesPlan& plan) {
   const PlanesModel model(plan, wavelength, grid.pitch);
   const Slabs slabs{depths, plan.slabs};
-  SplitEnergies energies;
-  for (const auto& [drawn, column, row, density] : pixels) {
-    const auto& w = drawn;  // a name that the lambda below can use
-    const Slab slab = slabs.slab(slabs.of(w.depth), wavelength, grid.pitch);
+  std::vector<Slab> of_slabs;
+  for (int i = 0; i < plan.slabs; ++i) of_slabs.push_back(slabs.slab(i, wavelength, grid.pitch));
+  return sum_energies(pixels, [&](const DrawnPixel& drawn) -> SplitEnergies {
+    const PreparedWave& w = drawn.wave;
+    const int column = drawn.column, row = drawn.row;
+    const Slab& slab = of_slabs[size_t(slabs.of(w.depth))];
     const int i = (column - bounds.x0) % plan.tile, j = (row - bounds.y0) % plan.tile;
     const PixelBox tile{column - i, std::min(column - i + plan.tile, bounds.x1), row - j,
                         std::min(row - j + plan.tile, bounds.y1)};
@@ -105,11 +108,10 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const WaveDe
       // where the errors of both remain.
       if (reaches && 2 * lit > size) error = tile_error() + (tile_error() + error) * double(size - lit) / lit;
     }
-    const double d2 = w.depth * w.depth, energy = w.amplitude * w.amplitude * (d2 / (dx * dx + dy * dy + d2)) / density;
-    energies.error += energy * error;
-    energies.waves += energy;
-  }
-  return energies;
+    const double d2 = w.depth * w.depth,
+                 energy = w.amplitude * w.amplitude * (d2 / (dx * dx + dy * dy + d2)) / drawn.density;
+    return {energy * error, energy};
+  });
 }
 
 double rounding_error_of_planes(const PlanesPlan& plan) {
@@ -120,7 +122,7 @@ namespace {
 
 constexpr std::array<int, 3> tiles{240, 120, 60};  // sides that divide 1080p and 4K panels and suit FFTs
 
-PlanesCounts count_tiles(const std::vector<PreparedWave>& waves, const PixelBox& bounds, int tile) {
+PlanesCounts count_tiles(PreparedWaves waves, const PixelBox& bounds, int tile) {
   PlanesCounts counts;
   counts.tiles = double(bounds.x1 - bounds.x0) * (bounds.y1 - bounds.y0) / (double(tile) * tile);
   for (const PreparedWave& w : waves) {
@@ -159,10 +161,12 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
                                 m / 2 * nodes * (plan.is_corrected ? corrected_terms : 1);  // plane_tile.h
   const double strips = std::min(entries, counts.tiles * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
   const double lines = grids * lines_of_grids + strips * nodes * strip_width;  // lines to transform
-  SummationWork work{.plane_waves = counts.whole + entry_waves * entries,
-                     .spreads = counts.whole * spreads_per_wave(plan) + entries * spreads_per_entry(plan),
-                     .fft_operations = lines * fft_operations(m),
-                     .samples = lines * 2 * m};
+  constexpr double from_memory = 1.6;  // the rates hold for waves in the caches; each tile reads all of them
+  SummationWork work{
+      .plane_waves = from_memory * (counts.whole + entry_waves * entries),
+      .spreads = from_memory * (counts.whole * spreads_per_wave(plan) + entries * spreads_per_entry(plan)),
+      .fft_operations = lines * fft_operations(m),
+      .samples = lines * 2 * m};
   const TilePlan of_corners = plan_of_corners(direct, plan.tile);
   work = work + counts.corners * work_of_corner(of_corners, plan.tile);
   if (plan.has_strips) return work;
@@ -188,7 +192,8 @@ double both_axes(int width) {
 // Evaluates plans and keeps the fastest that meets the goal, or else the most accurate.
 class PlanSearch {
  public:
-  PlanSearch(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal, double most_seconds)
+  PlanSearch(PreparedWaves waves, const std::vector<DrawnPixel>& drawn, const PlanesCost& cost, const SumGoal& goal,
+             double most_seconds)
       : waves_(waves),
         cost_(cost),
         grid_(goal.grid),
@@ -198,13 +203,8 @@ class PlanSearch {
         most_seconds_(most_seconds),
         depths_(depths_of(waves)) {
     // Many plans are compared; an eighth of the pixels gives their errors to a few percent.
-    const std::vector<DrawnPixel> drawn = draw_pixels(waves);
-    constexpr size_t pair = 2, share = 8;  // a pair has one draw of each kind
-    for (size_t i = 0; i < drawn.size(); ++i)
-      if (i % (pair * share) < pair) {
-        pixels_.push_back(drawn[i]);
-        pixels_.back().density /= share;
-      }
+    pixels_ = some_of(drawn, 8);
+    some_pixels_ = some_of(pixels_, 8);
   }
 
   const PlanesChoice& best() const { return best_; }
@@ -240,8 +240,12 @@ class PlanSearch {
 
   // Tries the plan with the narrowest kernel that meets the goal. Returns the error without gridding.
   double offer(PlanesPlan plan) {
-    const SplitEnergies energies = measure_planes(pixels_, depths_, grid_, bounds_, wavelength_, plan);
-    const double without_gridding = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
+    const auto energies_at = [&](const std::vector<DrawnPixel>& pixels) {
+      return measure_planes(pixels, depths_, grid_, bounds_, wavelength_, plan);
+    };
+    SplitEnergies energies = energies_at(some_pixels_);
+    if (energies.relative_error() <= beyond_doubt * goal_ || best_.seconds == 0) energies = energies_at(pixels_);
+    const double without_gridding = energies.relative_error();
     const auto error = [&] {
       return std::hypot(without_gridding, both_axes(plan.width), rounding_error_of_planes(plan));
     };
@@ -254,13 +258,13 @@ class PlanSearch {
     return without_gridding;
   }
 
-  const std::vector<PreparedWave>& waves_;
+  PreparedWaves waves_;
   const PlanesCost& cost_;
   const Grid grid_;
   const PixelBox bounds_;
   const double wavelength_, goal_, most_seconds_;
   const WaveDepths depths_;
-  std::vector<DrawnPixel> pixels_;
+  std::vector<DrawnPixel> pixels_, some_pixels_;
   PlanesCounts counts_;
   int most_nodes_ = most_nodes;
   PlanesChoice best_;
@@ -268,10 +272,9 @@ class PlanSearch {
 
 }  // namespace
 
-bool suits_planes(const PreparedWave& wave, double wavelength, double pitch) {
-  if (wave.astigmatic) return false;
+double least_depth_for_planes(double wavelength, double pitch) {
   const double tangent = acceptance_tangent(wavelength, pitch);
-  return tangent < 0.25 && 2 * wave.depth * tangent >= 4 * tiles.back() * pitch;
+  return tangent < 0.25 ? 2 * tiles.back() * pitch / tangent : std::numeric_limits<double>::infinity();
 }
 
 double spreads_per_wave(const PlanesPlan& plan) {
@@ -297,9 +300,9 @@ PlanesCost planes_cost_on_processor(const TilePlan& direct) {
   }};
 }
 
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal,
-                           double most_seconds) {
-  PlanSearch search(waves, cost, goal, most_seconds);
+PlanesChoice choose_planes(PreparedWaves waves, const std::vector<DrawnPixel>& drawn, const PlanesCost& cost,
+                           const SumGoal& goal, double most_seconds) {
+  PlanSearch search(waves, drawn, cost, goal, most_seconds);
   for (const int tile : tiles) search.look_at_tiles(tile);
   PlanesChoice best = search.best();
   best.error /= std::sqrt(goal.coherence);

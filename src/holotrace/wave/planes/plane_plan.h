@@ -14,7 +14,7 @@ struct WaveDepths {
 };
 
 /// @param waves  at least one wave
-WaveDepths depths_of(const std::vector<PreparedWave>& waves);
+WaveDepths depths_of(PreparedWaves waves);
 
 /// Slabs of equal steps of 1/depth, from the nearest wave to the farthest.
 struct Slabs {
@@ -31,7 +31,7 @@ struct Slabs {
 };
 
 /// Sorts the waves for a plan: by depth into its slabs, and within a slab by position.
-SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch);
+SortedWaves sort_waves(PreparedWaves waves, const PlanesPlan& plan, double wavelength, double pitch);
 
 /// The error of the expansion of waves in the tiles of a plan (summation.h), without the error of gridding. It is
 /// measured at pixels that the waves light, as in measure_split.
@@ -65,17 +65,18 @@ struct PlanesChoice {
   bool meets_tolerance = false;
 };
 
-/// Whether a wave suits `planes`: its box must be at least four of the smallest tiles wide, so that fewer than half of
-/// its tiles are partly lit. The panel's acceptance must be below 14 degrees (pixels of two wavelengths): beyond it
-/// the expansion in summation.h is not valid in tiles of that size.
-bool suits_planes(const PreparedWave& wave, double wavelength, double pitch);
+/// The depth from which spherical waves suit `planes` [m]: their boxes are at least four of the smallest tiles wide, so that
+/// fewer than half of their tiles are partly lit. Infinite for panels whose acceptance is 14 degrees or more (pixels of two
+/// wavelengths): beyond it the expansion in summation.h is not valid in tiles of that size. Astigmatic waves do not suit it.
+double least_depth_for_planes(double wavelength, double pitch);
 
 /// The fastest plan whose expected error, with a margin of 25 %, is below the
 /// tolerance; the most accurate one if none is.
-/// @param waves      waves that suit the method (suits_planes), at least one
+/// @param waves      waves that suit the method (least_depth_for_planes), at least one
+/// @param drawn      pixels drawn of them (draw_pixels)
 /// @param most_seconds  plans that take longer than this are skipped [s]
-PlanesChoice choose_planes(const std::vector<PreparedWave>& waves, const PlanesCost& cost, const SumGoal& goal,
-                           double most_seconds = 1e300);
+PlanesChoice choose_planes(PreparedWaves waves, const std::vector<DrawnPixel>& drawn, const PlanesCost& cost,
+                           const SumGoal& goal, double most_seconds = 1e300);
 
 /// Complex numbers of the grids to which plane_spread.h adds one wave (SummationWork::spreads): those of all nodes' slots in
 /// the kernel's cells, each line rounded up to vectors of 8 floats, whatever the instruction set.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "holotrace/base/threads.h"
 #include "holotrace/data/acceptance.h"
 
 namespace holotrace {
@@ -39,7 +40,7 @@ double reach_tangent(double wavelength, double pitch) { return 1.2 * acceptance_
 
 }  // namespace
 
-WaveDepths depths_of(const std::vector<PreparedWave>& waves) {
+WaveDepths depths_of(PreparedWaves waves) {
   const auto [nearest, farthest] = std::minmax_element(
       waves.begin(), waves.end(), [](const PreparedWave& a, const PreparedWave& b) { return a.depth < b.depth; });
   return {nearest->depth, farthest->depth};
@@ -56,7 +57,7 @@ Slab Slabs::slab(int index, double wavelength, double pitch) const {
   return {0, 0, (greatest + least) / 2, (greatest - least) / 2};
 }
 
-WavePacket packet_of_waves(const std::vector<PreparedWave>& waves, size_t first, size_t last) {
+WavePacket packet_of_waves(PreparedWaves waves, size_t first, size_t last) {
   const PreparedWave& w = waves[first];
   WavePacket p{first, last, w.box, w.box, w.x, w.x, w.y, w.y, w.depth};
   for (size_t i = first + 1; i < last; ++i) {
@@ -71,7 +72,7 @@ WavePacket packet_of_waves(const std::vector<PreparedWave>& waves, size_t first,
   return p;
 }
 
-SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, double wavelength, double pitch) {
+SortedWaves sort_waves(PreparedWaves waves, const PlanesPlan& plan, double wavelength, double pitch) {
   const WaveDepths depths = depths_of(waves);
   const Slabs slabs{depths, plan.slabs};
   // Rows of eight cells of a grid, so that the cells of successive waves stay in the cache.
@@ -82,19 +83,21 @@ SortedWaves sort_waves(std::vector<PreparedWave> waves, const PlanesPlan& plan, 
     uint32_t index;
     auto operator<=>(const Key&) const = default;
   };
-  std::vector<Key> keys;
-  for (size_t i = 0; i < waves.size(); ++i)
-    keys.push_back({slabs.of(waves[i].depth), int(std::floor(waves[i].y / (8 * cell))), waves[i].x, uint32_t(i)});
+  std::vector<Key> keys(waves.size());
+  parallel_for(0, int64_t(waves.size()), [&](int64_t i) {
+    const PreparedWave& wave = waves[size_t(i)];
+    keys[size_t(i)] = {slabs.of(wave.depth), int(std::floor(wave.y / (8 * cell))), wave.x, uint32_t(i)};
+  });
   parallel_sort(keys.begin(), keys.end());
   SortedWaves sorted;
-  sorted.waves.reserve(waves.size());
+  sorted.waves.resize(waves.size());
+  parallel_for(0, int64_t(keys.size()), [&](int64_t i) { sorted.waves[size_t(i)] = waves[keys[size_t(i)].index]; });
   for (size_t i = 0; i < keys.size(); ++i) {
     if (i == 0 || keys[i].slab != keys[i - 1].slab) {
       sorted.slabs.push_back(slabs.slab(keys[i].slab, wavelength, pitch));
       sorted.slabs.back().first = i;
     }
     sorted.slabs.back().last = i + 1;
-    sorted.waves.push_back(waves[keys[i].index]);
   }
   for (Slab& slab : sorted.slabs)
     for (size_t first = slab.first; first < slab.last; first += waves_of_packet)

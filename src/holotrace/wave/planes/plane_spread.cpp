@@ -127,8 +127,8 @@ bool lights_whole_tile(const WavePacket& p, const TilePlace& tile, const PlanesT
          p.x1 - tile.x <= reach && p.y1 - tile.y <= reach && tile.y - p.y0 <= reach;
 }
 
-bool SpreadWaves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
-                 size_t& next, PlanesWorkspace& w) {
+bool SpreadWaves(PreparedWaves waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile, size_t& next,
+                 PlanesWorkspace& w) {
   const KernelTable table(t.kernel);
   Batch b;
   bool any = false;
@@ -171,8 +171,8 @@ namespace holotrace {
 
 HWY_EXPORT(SpreadWaves);
 
-bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  const TilePlace& tile, size_t& packet, PlanesWorkspace& workspace) {
+bool spread_waves(PreparedWaves waves, const Slab& slab, const PlanesTables& tables, const TilePlace& tile,
+                  size_t& packet, PlanesWorkspace& workspace) {
   return HWY_DYNAMIC_DISPATCH(SpreadWaves)(waves, slab, tables, tile, packet, workspace);
 }
 

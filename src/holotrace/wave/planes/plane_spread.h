@@ -65,7 +65,7 @@ struct WavePacket {
 };
 
 /// @param waves  [first, last) of them, at least one
-WavePacket packet_of_waves(const std::vector<PreparedWave>& waves, size_t first, size_t last);
+WavePacket packet_of_waves(PreparedWaves waves, size_t first, size_t last);
 
 /// Waves of similar depth. Their curvatures κ = (1 − ρ²/2r₀²)/λr₀ in any tile lie within `half` of `centre`
 /// [cycles/m²].
@@ -128,8 +128,8 @@ struct TilePlace {
 /// to its strips or to `direct`. It ends early if the workspace is full.
 /// @param packet  of the slab, the first that is spread; then the first that is left, slab.packets.size() if none is
 /// @return        whether any wave was spread over the grids
-bool spread_waves(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  const TilePlace& tile, size_t& packet, PlanesWorkspace& workspace);
+bool spread_waves(PreparedWaves waves, const Slab& slab, const PlanesTables& tables, const TilePlace& tile,
+                  size_t& packet, PlanesWorkspace& workspace);
 
 /// A strip of a tile, of rows (is_across_rows) or of columns, counted from the tile's first strip.
 struct Strip {
@@ -138,7 +138,7 @@ struct Strip {
 };
 
 /// Spreads the entries of one strip (workspace.entries) over workspace.strip; each line is spread along the other axis.
-void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace);
+void spread_strip(PreparedWaves waves, const Slab& slab, const PlanesTables& tables, const TilePlace& tile,
+                  const Strip& strip, PlanesWorkspace& workspace);
 
 }  // namespace holotrace

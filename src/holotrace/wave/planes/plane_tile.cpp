@@ -234,9 +234,10 @@ void add_strips(size_t least, const SortedWaves& waves, const Slab& slab, const 
 void sum_direct(const PlanesSum& sum, const PixelBox& box, PlanesWorkspace& w, Array2D<std::complex<float>>& samples) {
   if (w.direct.empty()) return;
   const TileShape& shape = sum.direct.shape;
+  list_waves(w.direct, box, w.of_direct.waves);
   for (int y = box.y0; y < box.y1; y += shape.rows)
     for (int x = box.x0; x < box.x1; x += shape.columns)
-      sum_tile(w.direct, {sum.grid, sum.tables.wavelength}, sum.direct,
+      sum_tile(w.of_direct.waves, {sum.grid, sum.tables.wavelength}, sum.direct,
                {x, std::min(x + shape.columns, box.x1), y, std::min(y + shape.rows, box.y1)}, w.of_direct, samples);
   w.direct.clear();
 }

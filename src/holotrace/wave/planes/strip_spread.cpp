@@ -18,8 +18,8 @@ namespace holotrace::HWY_NAMESPACE {
 namespace {
 
 // Prepares the entries of a strip: w.of_strip, and their order by the first cell that they are spread over.
-void prepare_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t,
-                   const TilePlace& tile, const Strip& strip, PlanesWorkspace& w) {
+void prepare_strip(PreparedWaves waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
+                   const Strip& strip, PlanesWorkspace& w) {
   const std::vector<StripEntry>& entries = w.entries[strip.is_across_rows ? 1 : 0][strip.index];
   const double to_strip = (strip.index * strip_width + strip_width / 2 - t.plan.tile / 2) * t.pitch;
   Batch b;
@@ -125,7 +125,7 @@ void spread_over_cell(const uint32_t* order, int count, const PlanesTables& t, c
   while (row < rows) add(std::integral_constant<int, 1>());
 }
 
-void SpreadStrip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
+void SpreadStrip(PreparedWaves waves, const Slab& slab, const PlanesTables& t, const TilePlace& tile,
                  const Strip& strip, PlanesWorkspace& w) {
   prepare_strip(waves, slab, t, tile, strip, w);
   const KernelTable table(t.kernel);
@@ -150,8 +150,8 @@ namespace holotrace {
 
 HWY_EXPORT(SpreadStrip);
 
-void spread_strip(const std::vector<PreparedWave>& waves, const Slab& slab, const PlanesTables& tables,
-                  const TilePlace& tile, const Strip& strip, PlanesWorkspace& workspace) {
+void spread_strip(PreparedWaves waves, const Slab& slab, const PlanesTables& tables, const TilePlace& tile,
+                  const Strip& strip, PlanesWorkspace& workspace) {
   HWY_DYNAMIC_DISPATCH(SpreadStrip)(waves, slab, tables, tile, strip, workspace);
 }
 

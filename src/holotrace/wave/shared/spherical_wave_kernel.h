@@ -4,10 +4,12 @@
 #include <cmath>
 #include <complex>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "holotrace/base/cycles.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/astigmatic_wave.h"
@@ -70,24 +72,29 @@ struct PreparedWave {
   std::shared_ptr<const LitAstigmaticWave> astigmatic{};
 };
 
-/// @param cone_wavelength  wavelength whose acceptance limits the box [m]; 0: the wave's own
-inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength,
-                                 double cone_wavelength = 0) {
+/// Some waves that are prepared.
+using PreparedWaves = std::span<const PreparedWave>;
+
+/// @param tangent  of the cone that the wave keeps to
+inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength, double tangent) {
   const double depth = -source.origin.z;
   return {source.origin.x,
           source.origin.y,
           depth,
           cycle_fraction(depth, wavelength) + source.phase / (2 * pi),
           source.amplitude,
-          lit_box(source, grid, acceptance_tangent(cone_wavelength > 0 ? cone_wavelength : wavelength, grid.pitch))};
+          lit_box(source, grid, tangent)};
+}
+
+/// The same within the panel's acceptance.
+inline PreparedWave prepare_wave(const Source& source, const Grid& grid, double wavelength) {
+  return prepare_wave(source, grid, wavelength, acceptance_tangent(wavelength, grid.pitch));
 }
 
 /// Wave i of the sources.
-inline PreparedWave prepare_wave(const Sources& sources, size_t i, const Grid& grid) {
+inline PreparedWave prepare_wave(const Sources& sources, size_t i, const Grid& grid, double tangent) {
   const Source& source = sources.waves[i];
-  if (!is_astigmatic(sources, i))
-    return prepare_wave(source, grid, sources.wavelength, sources.acceptance_wavelength());
-  const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
+  if (!is_astigmatic(sources, i)) return prepare_wave(source, grid, sources.wavelength, tangent);
   const auto wave = std::make_shared<const LitAstigmaticWave>(sources, i, tangent);
   return {source.origin.x,
           source.origin.y,
@@ -111,12 +118,11 @@ inline std::pair<int, int> lit_columns(const PreparedWave& wave, const Grid& gri
 /// The sources prepared for summation, without those that light no pixel of the grid. Tile amplitudes are
 /// not used: for these see the other prepare_waves.
 inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid) {
-  std::vector<PreparedWave> waves;
-  waves.reserve(sources.waves.size());
-  for (size_t i = 0; i < sources.waves.size(); ++i) {
-    const PreparedWave wave = prepare_wave(sources, i, grid);
-    if (!wave.box.is_empty()) waves.push_back(wave);
-  }
+  std::vector<PreparedWave> waves(sources.waves.size());
+  const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
+  parallel_for(0, int64_t(waves.size()),
+               [&](int64_t i) { waves[size_t(i)] = prepare_wave(sources, size_t(i), grid, tangent); });
+  std::erase_if(waves, [](const PreparedWave& wave) { return wave.box.is_empty(); });
   return waves;
 }
 
@@ -141,11 +147,12 @@ inline float amplitude_in(const Sources& sources, size_t wave, int part) {
 inline std::vector<PreparedWave> prepare_waves(const Sources& sources, const Grid& grid, int part) {
   if (sources.tiles.columns == 0) return prepare_waves(sources, grid);
   const PixelBox bounds = panel_part(sources, grid, part);
+  const double tangent = acceptance_tangent(sources.acceptance_wavelength(), grid.pitch);
   std::vector<PreparedWave> waves;
   for (size_t i = 0; i < sources.waves.size(); ++i) {
     const float amplitude = amplitude_in(sources, i, part);
     if (amplitude == 0) continue;
-    PreparedWave wave = prepare_wave(sources, i, grid);
+    PreparedWave wave = prepare_wave(sources, i, grid, tangent);
     wave.amplitude = amplitude;
     wave.box = intersect(wave.box, bounds);
     if (!wave.box.is_empty()) waves.push_back(wave);

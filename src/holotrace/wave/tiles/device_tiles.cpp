@@ -60,8 +60,7 @@ std::vector<FloatPair> tile_centres(int pixels, int step, double wavelength, con
 
 size_t tiles_along(int pixels, int step) { return size_t((pixels + step - 1) / step); }
 
-std::vector<DeviceWave> device_waves(const std::vector<PreparedWave>& waves, double wavelength,
-                                     const PixelBox& bounds) {
+std::vector<DeviceWave> device_waves(PreparedWaves waves, double wavelength, const PixelBox& bounds) {
   std::vector<DeviceWave> converted(waves.size());
   parallel_for(
       0, int64_t(waves.size()),
@@ -252,15 +251,6 @@ Kernel tile_kernel(TileShape shape, const char* function) {
                       block_rows(shape), batch_of(shape))};
 }
 
-double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds) {
-  double tiles = 0;
-  const auto met = [](int first, int end, int step) { return double((end - 1) / step - first / step + 1); };
-  for (const PreparedWave& w : waves)
-    tiles += met(w.box.x0 - bounds.x0, w.box.x1 - bounds.x0, shape.columns) *
-             met(w.box.y0 - bounds.y0, w.box.y1 - bounds.y0, shape.rows);
-  return tiles * shape.columns * shape.rows;
-}
-
 double transferred_bytes(size_t waves, const PixelBox& bounds) {
   return double(sizeof(DeviceWave)) * double(waves) + double(sizeof(std::complex<float>)) * double(bounds.pixels());
 }
@@ -285,17 +275,17 @@ TileChoice choose_device_tile(const Device& device, const std::vector<DrawnPixel
   return choice;
 }
 
-void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
-                          const LitGrid& panel, TileShape shape, const PixelBox& bounds,
-                          Array2D<std::complex<float>>& samples, const Observer& observer, const MoreLight& more) {
+void sum_tiles_on_devices(const std::vector<Device*>& devices, PreparedWaves waves, const LitGrid& panel,
+                          TileShape shape, const PixelBox& bounds, Array2D<std::complex<float>>& samples,
+                          const Observer& observer, const MoreLight& more) {
   const auto take = [&](Device& device, const PixelBox& band, const DeviceBuffer& sums) {
     fetch(device, sums, band, samples);
   };
   sum_on_devices(devices, {device_waves(waves, panel.wavelength, bounds), panel, shape, bounds, take}, observer, more);
 }
 
-void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
-                         DeviceField& field, const Observer& observer, const MoreLight& more) {
+void sum_tiles_on_device(PreparedWaves waves, TileShape shape, const PixelBox& bounds, DeviceField& field,
+                         const Observer& observer, const MoreLight& more) {
   const LitGrid panel{field.head.grid, field.head.wavelength};
   const auto take = [&](Device&, const PixelBox& band, const DeviceBuffer& sums) { put(sums, band, field); };
   sum_on_devices({field.device}, {device_waves(waves, panel.wavelength, bounds), panel, shape, bounds, take}, observer,

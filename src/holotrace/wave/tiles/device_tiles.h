@@ -58,23 +58,20 @@ int rows_of_band(double most, TileShape shape, int block);
 /// @throws Error  as Device does
 ///
 /// Transfers: 48 bytes per wave to each device, 8 bytes per sample back. Cost: see multiply_adds_per_wave_pixel.
-void sum_tiles_on_devices(const std::vector<Device*>& devices, const std::vector<PreparedWave>& waves,
-                          const LitGrid& panel, TileShape shape, const PixelBox& bounds,
-                          Array2D<std::complex<float>>& samples, const Observer& observer, const MoreLight& more = {});
+void sum_tiles_on_devices(const std::vector<Device*>& devices, PreparedWaves waves, const LitGrid& panel,
+                          TileShape shape, const PixelBox& bounds, Array2D<std::complex<float>>& samples,
+                          const Observer& observer, const MoreLight& more = {});
 
 /// The same on one device.
-inline void sum_tiles_on_device(Device& device, const std::vector<PreparedWave>& waves, const LitGrid& panel,
-                                TileShape shape, const PixelBox& bounds, Array2D<std::complex<float>>& samples,
-                                const Observer& observer, const MoreLight& more = {}) {
+inline void sum_tiles_on_device(Device& device, PreparedWaves waves, const LitGrid& panel, TileShape shape,
+                                const PixelBox& bounds, Array2D<std::complex<float>>& samples, const Observer& observer,
+                                const MoreLight& more = {}) {
   sum_tiles_on_devices({&device}, waves, panel, shape, bounds, samples, observer, more);
 }
 
 /// The same into a field on its device, where the samples stay.
-void sum_tiles_on_device(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds,
-                         DeviceField& field, const Observer& observer, const MoreLight& more = {});
-
-/// Pixels of all tiles that waves light, added up over the waves: a tile that a wave lights partly counts as a whole.
-double pixels_of_tiles(const std::vector<PreparedWave>& waves, TileShape shape, const PixelBox& bounds);
+void sum_tiles_on_device(PreparedWaves waves, TileShape shape, const PixelBox& bounds, DeviceField& field,
+                         const Observer& observer, const MoreLight& more = {});
 
 /// Bytes that a sum sends to a device and fetches from it, if its memory holds all waves.
 double transferred_bytes(size_t waves, const PixelBox& bounds);

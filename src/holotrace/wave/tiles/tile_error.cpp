@@ -9,12 +9,7 @@ namespace holotrace {
 
 namespace {
 
-// At a pixel: the energies of the split's error, and of the wave.
-struct SplitAt {
-  double error, energy;
-};
-
-SplitAt split_of(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
+SplitEnergies split_of(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
   const double x0 = centre.x - w.x, y0 = centre.y - w.y, x = pixel.x - w.x, y = pixel.y - w.y, d2 = w.depth * w.depth;
   const double r = std::sqrt(x * x + y * y + d2), r0 = std::sqrt(x0 * x0 + y0 * y0 + d2);
   const double along_column = std::sqrt(x * x + y0 * y0 + d2), along_row = std::sqrt(x0 * x0 + y * y + d2);
@@ -24,7 +19,7 @@ SplitAt split_of(const PreparedWave& w, Vec3 centre, Vec3 pixel, double waveleng
   return {energy * std::norm(std::polar(r * r0 / (along_column * along_row), -phase) - 1.0), energy};
 }
 
-SplitAt split_of_astigmatic(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
+SplitEnergies split_of_astigmatic(const PreparedWave& w, Vec3 centre, Vec3 pixel, double wavelength) {
   const AstigmaticWave& wave = w.astigmatic->wave;
   const auto here = wave.at(pixel), there = wave.at(centre);
   const auto slopes = wave.slopes(centre);
@@ -44,18 +39,16 @@ SplitAt split_of_astigmatic(const PreparedWave& w, Vec3 centre, Vec3 pixel, doub
 
 SplitEnergies measure_split(const std::vector<DrawnPixel>& pixels, const Grid& grid, const PixelBox& bounds,
                             double wavelength, TileShape tile) {
-  SplitEnergies energies;
-  for (const auto& [wave, i, k, density] : pixels) {
+  return sum_energies(pixels, [&](const DrawnPixel& drawn) -> SplitEnergies {
+    const auto& [wave, i, k, density] = drawn;
     // The tile's centre as sum_tiled places it: tiles start at the first pixel of the bounds.
     const Vec3 centre{grid.x(i - (i - bounds.x0) % tile.columns + (tile.columns - 1) / 2.0),
                       grid.y(k - (k - bounds.y0) % tile.rows + (tile.rows - 1) / 2.0), 0};
     const Vec3 pixel{grid.x(i), grid.y(k), 0};
-    if (const auto [from, to] = lit_columns(wave, grid, k); i < from || i >= to) continue;
-    const SplitAt split = (wave.astigmatic ? split_of_astigmatic : split_of)(wave, centre, pixel, wavelength);
-    energies.error += split.error / density;
-    energies.waves += split.energy / density;
-  }
-  return energies;
+    if (const auto [from, to] = lit_columns(wave, grid, k); i < from || i >= to) return {};
+    const SplitEnergies split = (wave.astigmatic ? split_of_astigmatic : split_of)(wave, centre, pixel, wavelength);
+    return {split.error / density, split.waves / density};
+  });
 }
 
 double rounding_error(TileProducts products) {
@@ -88,13 +81,64 @@ bool can_run(const TilePlan& plan) {
   return plan.products == TileProducts::single || (packed_unit() != PackedUnit::none && plan.shape.rows >= 30);
 }
 
-TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
+namespace {
+
+// Pairs of a wave and a tile that it meets, and those of them in which it has an edge.
+struct TilesMet {
+  double all = 0, cut = 0;
+};
+
+TilesMet tiles_met(PreparedWaves waves, TileShape shape, const PixelBox& bounds, size_t most = SIZE_MAX) {
+  const size_t step = std::max<size_t>(1, waves.size() / most);
+  const auto met = [](int first, int end, int step) { return double((end - 1) / step - first / step + 1); };
+  const auto whole = [](int first, int end, int most, int step) {
+    return std::max(0.0, double((end == most ? end + step - 1 : end) / step - (first + step - 1) / step));
+  };
+  TilesMet sum;
+  size_t count = 0;
+  const int width = bounds.x1 - bounds.x0, height = bounds.y1 - bounds.y0;
+  for (size_t i = 0; i < waves.size(); i += step, ++count) {
+    const PixelBox& box = waves[i].box;
+    const int x0 = box.x0 - bounds.x0, x1 = box.x1 - bounds.x0, y0 = box.y0 - bounds.y0, y1 = box.y1 - bounds.y0;
+    const double all = met(x0, x1, shape.columns) * met(y0, y1, shape.rows);
+    sum.all += all;
+    sum.cut += all - whole(x0, x1, width, shape.columns) * whole(y0, y1, height, shape.rows);
+  }
+  const double scale = count > 0 ? double(waves.size()) / double(count) : 0;
+  return {sum.all * scale, sum.cut * scale};
+}
+
+}  // namespace
+
+double pixels_of_tiles(PreparedWaves waves, TileShape shape, const PixelBox& bounds) {
+  return tiles_met(waves, shape, bounds).all * shape.columns * shape.rows;
+}
+
+SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const PixelBox& bounds, size_t most) {
+  const TilesMet met = tiles_met(waves, plan.shape, bounds, most);
+  SummationWork work = met.all * plan.shape.columns * plan.shape.rows * tile_work(plan);
+  // One wave with an edge makes the factors of its whole batch take twice as long.
+  constexpr int batch = 128;
+  if (met.all > 0) work.factors *= 2 - std::pow(1 - met.cut / met.all, batch);
+  return work;
+}
+
+TileChoice choose_tile(PreparedWaves waves, const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
   TileChoice best{};
   const SummationRates rates = summation_rates();
-  const auto seconds = [&](const TilePlan& plan) { return predict_seconds(tile_work(plan), rates, 1); };
+  const auto seconds = [&](const TilePlan& plan) {
+    constexpr size_t enough = 4096;
+    return predict_seconds(work_of_tiles(waves, plan, goal.bounds, enough), rates, 1);
+  };
+  const std::vector<DrawnPixel> some = some_of(pixels, 8);
+  const auto energies_at = [&](const std::vector<DrawnPixel>& at, TileShape shape) {
+    return measure_split(at, goal.grid, goal.bounds, goal.wavelength, shape);
+  };
   for (const TileShape shape : tile_shapes) {
-    const SplitEnergies energies = measure_split(pixels, goal.grid, goal.bounds, goal.wavelength, shape);
-    const double split = energies.waves > 0 ? std::sqrt(energies.error / energies.waves) : 0;
+    const double most = beyond_doubt * goal.tolerance * std::sqrt(goal.coherence);
+    if (shape != tile_shapes.back() && energies_at(some, shape).relative_error() > most) continue;
+    const SplitEnergies energies = energies_at(pixels, shape);
+    const double split = energies.relative_error();
     for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16, TileProducts::single}) {
       const TilePlan plan{shape, products};
       if (!can_run(plan)) continue;

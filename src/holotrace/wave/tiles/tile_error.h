@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/rates.h"
 #include "holotrace/wave/shared/spherical_wave_kernel.h"
@@ -15,7 +18,7 @@ namespace holotrace {
 class WaveDraw {
  public:
   template <class Weight>
-  WaveDraw(const std::vector<PreparedWave>& waves, const Weight& weight) {
+  WaveDraw(PreparedWaves waves, const Weight& weight) {
     double sum = 0;
     sums_.reserve(waves.size());
     for (const PreparedWave& wave : waves) sums_.push_back(sum += weight(wave));
@@ -45,7 +48,7 @@ struct DrawnPixel {
 /// 8192 pixels of the waves' boxes, drawn from a fixed seed. Half of the draws choose waves by their energy. The other
 /// half choose by energy over depth squared, which favours near waves: their errors are larger, and even a few of them
 /// among many far ones are then found. Empty if the waves have no light.
-inline std::vector<DrawnPixel> draw_pixels(const std::vector<PreparedWave>& waves) {
+inline std::vector<DrawnPixel> draw_pixels(PreparedWaves waves) {
   constexpr int draws = 8192;
   std::vector<DrawnPixel> pixels;
   const WaveDraw by_energy(waves, energy_of), by_nearness(waves, nearness_of);
@@ -61,6 +64,20 @@ inline std::vector<DrawnPixel> draw_pixels(const std::vector<PreparedWave>& wave
   }
   return pixels;
 }
+
+/// One in `share` of the drawn pixels, of all waves alike, for a rougher estimate. A pair has one draw of each kind.
+inline std::vector<DrawnPixel> some_of(const std::vector<DrawnPixel>& drawn, size_t share) {
+  std::vector<DrawnPixel> pixels;
+  for (size_t i = 0; i < drawn.size(); ++i)
+    if (i % (2 * share) < 2) {
+      pixels.push_back(drawn[i]);
+      pixels.back().density /= double(share);
+    }
+  return pixels;
+}
+
+/// Errors above the goal by this factor in a rough estimate, at a thousand pixels or a hundred, are not measured again.
+constexpr double beyond_doubt = 2;
 
 /// The panel's pixels and the wavelength of their light.
 struct LitGrid {
@@ -111,7 +128,32 @@ struct AxisSphere {
 /// of the error and of the waves, Σⱼ Σ over the pixels of j of |error|² and |Uⱼ|² [W/m²].
 struct SplitEnergies {
   double error = 0, waves = 0;
+
+  /// The relative L2 error.
+  double relative_error() const { return waves > 0 ? std::sqrt(error / waves) : 0; }
 };
+
+/// The sum of of_pixel(pixel) over drawn pixels, on all threads; in the same order on any number of them.
+template <class OfPixel>
+SplitEnergies sum_energies(const std::vector<DrawnPixel>& pixels, const OfPixel& of_pixel) {
+  constexpr size_t part = 64;
+  std::vector<SplitEnergies> parts((pixels.size() + part - 1) / part);
+  parallel_for(0, int64_t(parts.size()), [&](int64_t p) {
+    SplitEnergies sum;
+    for (size_t i = size_t(p) * part; i < std::min(size_t(p + 1) * part, pixels.size()); ++i) {
+      const SplitEnergies of_one = of_pixel(pixels[i]);
+      sum.error += of_one.error;
+      sum.waves += of_one.waves;
+    }
+    parts[size_t(p)] = sum;
+  });
+  SplitEnergies all;
+  for (const SplitEnergies& of_part : parts) {
+    all.error += of_part.error;
+    all.waves += of_part.waves;
+  }
+  return all;
+}
 
 /// Where and how accurately waves are summed.
 struct SumGoal {
@@ -140,9 +182,17 @@ struct TileChoice {
   bool meets_tolerance = false;
 };
 
+/// Pixels of the tiles that the waves meet, added up over the waves: a tile that a wave lights partly counts as a whole.
+double pixels_of_tiles(PreparedWaves waves, TileShape shape, const PixelBox& bounds);
+
+/// Work of a sum of waves in tiles.
+/// @param most  waves that are looked at, for an estimate
+SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const PixelBox& bounds, size_t most = SIZE_MAX);
+
 /// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of 25 %, is below the
 /// tolerance; the most accurate one if none is.
-TileChoice choose_tile(const std::vector<DrawnPixel>& pixels, const SumGoal& goal);
+/// @param pixels  drawn from the waves
+TileChoice choose_tile(PreparedWaves waves, const std::vector<DrawnPixel>& pixels, const SumGoal& goal);
 
 /// Whether this processor has the units of the plan's products, and these suit its shape.
 bool can_run(const TilePlan& plan);
@@ -152,9 +202,9 @@ bool can_run(const TilePlan& plan);
 SummationWork tile_work(const TilePlan& plan);
 
 /// The same for tiles over the whole grid.
-inline TileChoice choose_tile(const std::vector<PreparedWave>& waves, const Grid& grid, double wavelength,
-                              double tolerance, double coherence = 1) {
-  return choose_tile(draw_pixels(waves), {grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence});
+inline TileChoice choose_tile(PreparedWaves waves, const Grid& grid, double wavelength, double tolerance,
+                              double coherence = 1) {
+  return choose_tile(waves, draw_pixels(waves), {grid, {0, grid.nx, 0, grid.ny}, wavelength, tolerance, coherence});
 }
 
 }  // namespace holotrace

@@ -56,7 +56,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP_COLUMNS, GROUP_ROWS, 1))) voi
     DeviceWave wave = waves[min(start + item, slice_end - 1)];
     const int4 edge =
         (int4)(wave.x0 - tile_x, wave.x1 - tile_x, wave.y0 - job.top - tile_y, wave.y1 - job.top - tile_y);
-    const int meets = start + item < slice_end && edge.x < TILE_COLUMNS && edge.y > 0 && edge.z < TILE_ROWS && edge.w > 0;
+    const int meets =
+        start + item < slice_end && edge.x < TILE_COLUMNS && edge.y > 0 && edge.z < TILE_ROWS && edge.w > 0;
     is_lit[item] = meets;
     barrier(CLK_LOCAL_MEM_FENCE);
     int before = 0, count = 0;

@@ -7,6 +7,11 @@
 
 #include "holotrace/wave/tiles/tile_sum.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+
+#include "holotrace/base/threads.h"
 #include "holotrace/wave/tiles/packed_product.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -249,8 +254,8 @@ void add_batch(TileBatch& b, const Offsets& offsets, Vec3 centre, double wavelen
   b.has_row_edges = false;
 }
 
-void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
-             TileWorkspace& s, Array2D<std::complex<float>>& samples) {
+void SumTile(WaveList waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box, TileWorkspace& s,
+             Array2D<std::complex<float>>& samples) {
   const auto& [grid, wavelength] = panel;
   const TileShape tile = plan.shape;
   prepare_workspace(plan, s);
@@ -261,7 +266,8 @@ void SumTile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const
     add_wave(b, wave, lit, centre, box, tile.rows);
     if (b.count == batch) add_batch(b, offsets, centre, wavelength, grid.pitch, plan, s);
   };
-  for (const PreparedWave& wave : waves) {
+  for (const PreparedWave* const listed : waves) {
+    const PreparedWave& wave = *listed;
     const PixelBox in_tile = intersect(wave.box, box);
     if (in_tile.is_empty()) continue;
     if (!wave.astigmatic) {
@@ -304,9 +310,45 @@ namespace holotrace {
 HWY_EXPORT(SumTile);
 HWY_EXPORT(TargetName);
 
-void sum_tile(const std::vector<PreparedWave>& waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box,
-              TileWorkspace& workspace, Array2D<std::complex<float>>& samples) {
+void sum_tile(WaveList waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& box, TileWorkspace& workspace,
+              Array2D<std::complex<float>>& samples) {
   HWY_DYNAMIC_DISPATCH(SumTile)(waves, panel, plan, box, workspace, samples);
+}
+
+void list_waves(PreparedWaves waves, const PixelBox& box, std::vector<const PreparedWave*>& list) {
+  list.clear();
+  for (const PreparedWave& wave : waves)
+    if (!intersect(wave.box, box).is_empty()) list.push_back(&wave);
+}
+
+void sum_tiles(PreparedWaves waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& bounds,
+               Array2D<std::complex<float>>& samples, const Observer& observer) {
+  const TileShape tile = plan.shape;
+  // Small tiles come in groups as large as the largest ones, so that few of them look at all waves.
+  const int columns = std::max(tile_shapes.front().columns / tile.columns, 1) * tile.columns;
+  const int rows = std::max(tile_shapes.front().rows / tile.rows, 1) * tile.rows;
+  const int across = (bounds.x1 - bounds.x0 + columns - 1) / columns, down = (bounds.y1 - bounds.y0 + rows - 1) / rows;
+  tbb::enumerable_thread_specific<TileWorkspace> workspaces;
+  parallel_for(
+      0, int64_t(across) * down,
+      [&](int64_t i) {
+        TileWorkspace& workspace = workspaces.local();
+        const int x0 = bounds.x0 + int(i % across) * columns, y0 = bounds.y0 + int(i / across) * rows;
+        const PixelBox group{x0, std::min(x0 + columns, bounds.x1), y0, std::min(y0 + rows, bounds.y1)};
+        list_waves(waves, group, workspace.waves);
+        // As many waves at a time as stay in the cache from tile to tile.
+        const size_t count = workspace.waves.size();
+        const size_t part = columns * rows > tile.columns * tile.rows ? 4096 : std::max<size_t>(count, 1);
+        for (size_t first = 0; first < count; first += part) {
+          const WaveList some = WaveList(workspace.waves).subspan(first, std::min(part, count - first));
+          for (int y = group.y0; y < group.y1; y += tile.rows)
+            for (int x = group.x0; x < group.x1; x += tile.columns)
+              sum_tile(some, panel, plan,
+                       {x, std::min(x + tile.columns, group.x1), y, std::min(y + tile.rows, group.y1)}, workspace,
+                       samples);
+        }
+      },
+      observer);
 }
 
 std::string tile_sum_instruction_set() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
