@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <cstring>
@@ -15,6 +17,20 @@ namespace holotrace {
 template <class Real>
 void copy_block(const std::complex<Real>* from, std::complex<Real>* to) {
   std::memcpy(static_cast<void*>(to), from, column_block * sizeof(*from));
+}
+
+/// columns[c][i] = rows[i][c], for the `count` samples of each column of a block.
+template <class Real>
+void turn_to_columns(const std::complex<Real>* rows, int count, std::complex<Real>* columns) {
+  alignas(64) std::array<std::complex<Real>, size_t(column_block) * column_block> square;
+  for (int first = 0; first < count; first += column_block) {
+    std::array<const std::complex<Real>*, column_block> from;
+    for (int i = 0; i < column_block; ++i) from[size_t(i)] = rows + std::min(first + i, count - 1) * column_block;
+    turn_to_rows(from, column_block, square.data());
+    for (int c = 0; c < column_block; ++c)
+      std::copy_n(square.data() + c * column_block, std::min(column_block, count - first),
+                  columns + size_t(c) * size_t(count) + first);
+  }
 }
 
 /// Transforms of a block of columns that lie side by side, before and after. The columns are the lanes of vectors, so that

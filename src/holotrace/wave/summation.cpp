@@ -151,7 +151,7 @@ PartPlan make_part_plan(PreparedWaves waves, const SumGoal& goal, const SumWay& 
   const double by_tiles = tiles.meets_tolerance() ? seconds(tiles) : 1e300;
   const double to_plan = way.device() ? seconds_to_plan_for_device : seconds_to_plan;
   if (by_tiles < to_plan) return tiles;
-  PartPlan planes = plan_planes(all, goal, way.device(), by_tiles);
+  PartPlan planes = plan_planes(all, goal, way.device(), by_tiles - to_plan);
   if (planes.far.empty() || !planes.meets_tolerance()) return tiles;
   return seconds(planes) + to_plan < by_tiles ? planes : tiles;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "holotrace/base/array.h"
+#include "holotrace/base/column_fft.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
@@ -50,41 +51,48 @@ KernelSamples kernel_samples(const PropagationAxis& axis) {
   return samples;
 }
 
-/// Forward transform of kernel(x, y) over the samples of both axes. Calls store(slot, column) for each slot of x; the
-/// column holds the frequencies of y in the transform's order. A kernel that is even along an axis is sampled on half
-/// of it.
-template <class Kernel, class Store>
-void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const Kernel& kernel, const Store& store) {
-  using Complex = std::complex<double>;
+/// Forward transform of a kernel over the samples of both axes. Calls fill(y, x, count, line) for the kernel's values
+/// at y and x[0 … count), and store(slot, column) for each slot of x; the column holds the frequencies of y in the
+/// transform's order. A kernel that is even along an axis is sampled on half of it.
+template <class Real, class Fill, class Store>
+void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const Fill& fill, const Store& store) {
+  using Complex = std::complex<Real>;
   const KernelSamples across = kernel_samples(x), down = kernel_samples(y);
   const int nx = across.size(), ny = down.size(), slots = x.slots(), rows = y.is_even ? ny / 2 + 1 : ny;
-  const Fft<double> along_x(nx, FftDirection::forward), along_y(ny, FftDirection::forward);
-  LargeBuffer<Complex> turned(size_t(slots) * size_t(rows));  // [slot][row]
-  constexpr int group = 8;                                    // rows per group, for whole cache lines
-  parallel_for(0, (rows + group - 1) / group, [&](int64_t g) {
-    const int first = int(g) * group, count = std::min(group, rows - first);
-    AlignedVector<Complex> lines(size_t(nx) * group);
-    for (int r = 0; r < count; ++r) {
-      Complex* line = lines.data() + size_t(r) * size_t(nx);
-      const size_t j = size_t(first + r);
-      for (int i = 0; i < (x.is_even ? nx / 2 + 1 : nx); ++i)
-        line[i] = down.weight[j] * across.weight[size_t(i)] * kernel(across.place[size_t(i)], down.place[j]);
-      for (int i = 1; x.is_even && i < (nx + 1) / 2; ++i) line[nx - i] = line[i];
-      along_x(line);
-    }
-    for (int s = 0; s < slots; ++s) {
-      const int k = x.is_even ? s : x.first + s, bin = wrapped(k, nx);
-      for (int r = 0; r < count; ++r)
-        turned.data()[size_t(s) * size_t(rows) + size_t(first + r)] = lines[size_t(r) * size_t(nx) + size_t(bin)];
-    }
-  });
-  parallel_for(0, slots, [&](int64_t s) {
-    const Complex* from = turned.data() + size_t(s) * size_t(rows);
-    AlignedVector<Complex> column(from, from + rows);
-    column.resize(size_t(ny));
-    for (int j = 1; y.is_even && j < (ny + 1) / 2; ++j) column[size_t(ny - j)] = column[size_t(j)];
-    along_y(column.data());
-    store(int(s), column.data());
+  const int blocks = (slots + column_block - 1) / column_block;
+  const Fft<double> along_x(nx, FftDirection::forward);
+  const ColumnFft<Real> along_y(ny);
+  LargeBuffer<Complex> turned(size_t(blocks) * size_t(rows) * column_block);  // [block of slots][row][slot in block]
+  parallel_for(
+      0, rows,
+      [&](int64_t j) {
+        AlignedVector<std::complex<double>> line(static_cast<size_t>(nx));
+        fill(down.place[size_t(j)], across.place.data(), size_t(x.is_even ? nx / 2 + 1 : nx), line.data());
+        for (int i = 1; x.is_even && i < (nx + 1) / 2; ++i) line[size_t(nx - i)] = line[size_t(i)];
+        if (!x.is_on_lattice())
+          for (size_t i = 0; i < line.size(); ++i) line[i] *= down.weight[size_t(j)] * across.weight[i];
+        along_x(line.data());
+        int bin = wrapped(x.is_even ? 0 : x.first, nx), slot = 0;
+        for (int b = 0; b < blocks; ++b) {
+          Complex* const to = turned.data() + (size_t(b) * size_t(rows) + size_t(j)) * column_block;
+          for (int c = 0; c < column_block; ++c, ++slot) {
+            to[c] = slot < slots ? Complex(line[size_t(bin)]) : Complex();
+            if (++bin == nx) bin = 0;
+          }
+        }
+      },
+      {}, 8);
+  parallel_for(0, blocks, [&](int64_t b) {
+    const size_t size = along_y.work_size();
+    AlignedVector<Complex> work(3 * size);
+    Complex *const samples = work.data(), *const spectrum = samples + size, *const columns = spectrum + size;
+    std::copy_n(turned.data() + size_t(b) * size_t(rows) * column_block, size_t(rows) * column_block, samples);
+    for (int j = 1; y.is_even && j < (ny + 1) / 2; ++j)
+      copy_block(samples + j * column_block, samples + (ny - j) * column_block);
+    along_y(FftDirection::forward, samples, spectrum, columns);
+    turn_to_columns(spectrum, ny, columns);
+    for (int c = 0; c < std::min(column_block, slots - int(b) * column_block); ++c)
+      store(int(b) * column_block + c, columns + size_t(c) * size_t(ny));
   });
 }
 
@@ -213,14 +221,20 @@ void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
   const int ny = p.is_on_lattice() ? p.y.padded : p.y.kernel_samples;
   const double scale = p.input.pitch * p.input.pitch * (double(p.x.padded) / nx) * (double(p.y.padded) / ny);
   make_table(p);
-  transform_kernel(
+  std::vector<int> places;
+  for (int k = p.y.first; k <= p.y.last; ++k) places.push_back(place(p, k));
+  transform_kernel<Real>(
       p.x, p.y,
-      [&](double x, double y) {
-        return scale * rayleigh_sommerfeld_kernel(x * x + y * y, p.wavelength, p.distance, start);
+      [&](double y, const double* x, size_t count, ComplexDouble* line) {
+        rayleigh_sommerfeld_row({y, p.wavelength, p.distance, start, scale}, x, count, line);
       },
-      [&](int slot, const ComplexDouble* column) {
+      [&](int slot, const std::complex<Real>* column) {
         std::complex<Real>* row = p.transfer.row(slot);
-        for (int k = p.y.first; k <= p.y.last; ++k) row[place(p, k)] = std::complex<Real>(column[wrapped(k, ny)]);
+        int bin = wrapped(p.y.first, ny);
+        for (const int at : places) {
+          row[at] = column[bin];
+          if (++bin == ny) bin = 0;
+        }
       });
 }
 

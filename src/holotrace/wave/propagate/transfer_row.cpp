@@ -1,5 +1,9 @@
 #include "holotrace/wave/propagate/transfer_row.h"
 
+#include <cmath>
+
+#include "holotrace/base/units.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "holotrace/wave/propagate/transfer_row.cpp"
 #include <hwy/foreach_target.h>
@@ -7,6 +11,7 @@
 
 #include "holotrace/base/each_vector-inl.h"
 #include "holotrace/wave/shared/wave_lanes-inl.h"
+#include "hwy/contrib/math/math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace holotrace::HWY_NAMESPACE {
@@ -24,6 +29,23 @@ void transfer_loop(const TransferRow& row, const double* v2, size_t count, float
   });
 }
 
+void kernel_loop(const KernelRow& row, const double* x, size_t count, double* to) {
+  const double depth = std::abs(row.z), sign = row.z < 0 ? -1 : 1;
+  each_vector<double>(count, [&](auto d, size_t i) {
+    const auto set = [&](double value) { return hn::Set(d, value); };
+    const auto u = hn::LoadU(d, x + i), rho2 = hn::MulAdd(u, u, set(row.y * row.y));
+    const auto root = hn::Sqrt(hn::Add(rho2, set(depth * depth)));
+    const auto beyond = hn::Div(rho2, hn::Add(root, set(depth))), r = hn::Add(beyond, set(depth));
+    const auto cycles = hn::MulAdd(beyond, set(1 / row.wavelength), set(row.start));
+    const auto angle = hn::Mul(hn::Sub(cycles, hn::Round(cycles)), set(2 * pi));
+    const auto c = hn::Cos(d, angle), s = hn::Sin(d, angle), inverse = hn::Div(set(1), r),
+               k = set(2 * pi / row.wavelength);
+    const auto modulus = hn::Mul(set(row.scale * depth / (2 * pi)), hn::Mul(inverse, inverse));
+    const auto re = hn::MulAdd(c, inverse, hn::Mul(k, s)), im = hn::MulSub(s, inverse, hn::Mul(k, c));
+    hn::StoreInterleaved2(hn::Mul(modulus, re), hn::Mul(hn::Mul(modulus, set(sign)), im), d, to + 2 * i);
+  });
+}
+
 }  // namespace
 }  // namespace holotrace::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -33,10 +55,15 @@ HWY_AFTER_NAMESPACE();
 namespace holotrace {
 namespace {
 HWY_EXPORT(transfer_loop);
+HWY_EXPORT(kernel_loop);
 }  // namespace
 
 void transfer_row(const TransferRow& row, const double* v2, size_t count, std::complex<float>* to) {
   HWY_DYNAMIC_DISPATCH(transfer_loop)(row, v2, count, reinterpret_cast<float*>(to));
+}
+
+void rayleigh_sommerfeld_row(const KernelRow& row, const double* x, size_t count, std::complex<double>* to) {
+  HWY_DYNAMIC_DISPATCH(kernel_loop)(row, x, count, reinterpret_cast<double*>(to));
 }
 
 }  // namespace holotrace

@@ -16,4 +16,12 @@ struct TransferRow {
 };
 void transfer_row(const TransferRow& row, const double* v2, size_t count, std::complex<float>* to);
 
+/// The Rayleigh–Sommerfeld kernel (propagation_kernel.h) at one y and many x, times a factor, in double precision.
+struct KernelRow {
+  double y, wavelength, z;  ///< [m]
+  double start;             ///< cycle_fraction(|z|, λ)
+  double scale;
+};
+void rayleigh_sommerfeld_row(const KernelRow& row, const double* x, size_t count, std::complex<double>* to);
+
 }  // namespace holotrace

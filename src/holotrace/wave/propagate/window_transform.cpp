@@ -3,7 +3,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "holotrace/base/column_fft.h"
@@ -31,20 +30,6 @@ template <class Real>
 struct ColumnWork {
   AlignedVector<std::complex<Real>> rows, spectrum, columns, results, bins, sum;
 };
-
-// columns[c][i] = rows[i][c], for blocks of columns.
-template <class Real>
-void turn_to_columns(const std::complex<Real>* rows, int count, std::complex<Real>* columns) {
-  alignas(64) std::array<std::complex<Real>, size_t(column_block) * column_block> square;
-  for (int first = 0; first < count; first += column_block) {
-    std::array<const std::complex<Real>*, column_block> from;
-    for (int i = 0; i < column_block; ++i) from[size_t(i)] = rows + std::min(first + i, count - 1) * column_block;
-    turn_to_rows(from, column_block, square.data());
-    for (int c = 0; c < column_block; ++c)
-      std::copy_n(square.data() + c * column_block, std::min(column_block, count - first),
-                  columns + size_t(c) * size_t(count) + first);
-  }
-}
 
 // Calls write(o, sum) for each row o of the output, from any thread; sum(to) computes the row.
 template <class Real, class Write>
