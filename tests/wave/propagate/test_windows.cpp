@@ -264,6 +264,28 @@ TEST(PropagatorCache, KeepsOnePropagatorForEachQuestion) {
   EXPECT_EQ(cached_propagator<float>(grid, 532_nm, 0.01_m, elsewhere), first) << "the device does not matter";
 }
 
+// 100 bytes each, 1000 in all: 250 for those that were asked for once.
+TEST(PropagatorCache, KeepsLittleOfWhatIsAskedForOnce) {
+  KeptPropagators<int> cache;
+  const auto question = [](int i) { return PropagationQuestion({8, 8, 8_um}, 532_nm, i * 1_mm, {}); };
+  const auto ask = [&](int i) {  // whether it is there
+    if (cache.find(question(i))) return true;
+    cache.keep(question(i), {std::make_shared<int>(i)}, 100, 1000);
+    return false;
+  };
+  for (int i = 0; i < 8; ++i) EXPECT_FALSE(ask(i));
+  EXPECT_EQ(cache.bytes(), 200) << "the last two of eight";
+  EXPECT_TRUE(ask(7));
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(ask(i), i == 6) << i;  // others were dropped, and are known again
+  EXPECT_EQ(cache.bytes(), 800);
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(ask(i)) << i;
+  for (int i = 20; i < 30; ++i) EXPECT_FALSE(ask(i));
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(ask(i)) << "what is used once does not drop what is used again: " << i;
+  EXPECT_EQ(cache.bytes(), 1000);
+  cache.drop_beyond(300);
+  EXPECT_EQ(cache.bytes(), 300);
+}
+
 TEST(PropagatorCache, MayBeAskedFromManyThreads) {
   const Field field = convert<float>(make_white_noise({33, 21, 8_um}, 10));
   const Field expected = propagate(field, 0.013_m);

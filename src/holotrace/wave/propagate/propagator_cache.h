@@ -51,7 +51,9 @@ struct KeptPropagator {
   }
 };
 
-/// Propagators by the questions that they answer. May be used from any thread. Those that are dropped are destroyed
+/// Propagators by the questions that they answer. Those that were asked for once take a quarter of the memory at most: most
+/// jobs have many distances and use each once. What was asked for again may take all of it, and is known again even if it
+/// was dropped in between (2Q; Johnson and Shasha 1994). May be used from any thread. Those that are dropped are destroyed
 /// after the lock is released, because that may wait for a device.
 template <class Propagator>
 class KeptPropagators {
@@ -63,6 +65,7 @@ class KeptPropagators {
     const auto found =
         std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.question == question; });
     if (found == entries_.end()) return std::nullopt;
+    found->is_asked_again = true;
     entries_.splice(entries_.begin(), entries_, found);
     return found->kept;
   }
@@ -72,7 +75,14 @@ class KeptPropagators {
     if (bytes > limit) return;
     {
       const std::lock_guard lock(mutex_);
-      entries_.push_front({question, kept, bytes});
+      const auto known = std::find(asked_.begin(), asked_.end(), question);
+      entries_.push_front({question, kept, bytes, known != asked_.end()});
+      if (known != asked_.end())
+        asked_.splice(asked_.begin(), asked_, known);
+      else
+        asked_.push_front(question);
+      constexpr size_t most_questions = 256;
+      if (asked_.size() > most_questions) asked_.pop_back();
     }
     drop_beyond(limit);
   }
@@ -89,10 +99,17 @@ class KeptPropagators {
   void drop_beyond(double limit) {
     std::list<Entry> dropped;
     const std::lock_guard lock(mutex_);
-    double bytes = 0;
-    const auto first = std::find_if(entries_.begin(), entries_.end(),
-                                    [&](const Entry& entry) { return (bytes += entry.bytes) > limit; });
-    dropped.splice(dropped.begin(), entries_, first, entries_.end());
+    double bytes = 0, of_once = 0;
+    for (auto entry = entries_.begin(); entry != entries_.end();) {
+      const auto next = std::next(entry);
+      bytes += entry->bytes;
+      if (!entry->is_asked_again) of_once += entry->bytes;
+      if (bytes > limit || (!entry->is_asked_again && of_once > limit / 4)) {
+        bytes -= entry->bytes;
+        dropped.splice(dropped.end(), entries_, entry);
+      }
+      entry = next;
+    }
   }
 
  private:
@@ -100,15 +117,18 @@ class KeptPropagators {
     PropagationQuestion question;
     Kept kept;
     double bytes;
+    bool is_asked_again;
   };
   std::mutex mutex_;
-  std::list<Entry> entries_;  // most recently used first
+  std::list<Entry> entries_;              // most recently used first
+  std::list<PropagationQuestion> asked_;  // lately, also for those that were dropped
 };
 
 /// The propagator that make_propagator makes of the same arguments, kept for reuse: the frames of a job share one for
 /// each wavelength and distance. Facts and warnings are reported on every call. May be called from any thread.
 ///
-/// Keeps the most recently used ones, up to propagator_cache_bytes for each precision. A larger one is not kept.
+/// Keeps the most recently used ones, up to propagator_cache_bytes for each precision (KeptPropagators). A larger one is not
+/// kept.
 /// @throws Error  as make_propagator does
 template <class Real>
 std::shared_ptr<const Propagator<Real>> cached_propagator(const Grid& grid, double wavelength, double distance,

@@ -33,11 +33,17 @@ Array2D<float> ProcessorLight::mean_light(const TargetWay& way, SampleGroup grou
   if (has_means(group)) {
     SamplePower power;
     power.fill(light);
-    for (const Field& frame : u_) {
-      std::vector<Field> shown = way.propagation.to_plane(frame, group);
-      for (size_t i = 0; i < power.size(); ++i) add_power(shown[i], 1 / frames(), power[i]);
-      if (samples) samples->push_back(std::move(shown));
-    }
+    const auto add = [&](const Field& frame, SampleGroup some) {
+      std::vector<Field> shown = way.propagation.to_plane(frame, some);
+      const std::vector<size_t> places = samples_of(some, power.size());
+      for (size_t i = 0; i < shown.size(); ++i) add_power(shown[i], 1 / frames(), power[places[i]]);
+      return shown;
+    };
+    for (const Field& frame : u_)
+      if (samples)
+        samples->push_back(add(frame, group));
+      else  // half of them at a time take half of the memory
+        for (const SampleGroup half : {SampleGroup::falling, SampleGroup::rising}) add(frame, half);
     return pixel_means(power);
   }
   for (const Field& frame : u_) {
