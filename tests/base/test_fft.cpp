@@ -26,7 +26,7 @@ AlignedVector<std::complex<Real>> noise(int count) {
   return data;
 }
 
-constexpr long double turn = 2 * std::numbers::pi_v<long double>;
+constexpr long double full_turn = 2 * std::numbers::pi_v<long double>;
 
 // Sample k of a transform by the definition. In double its own rounding would be the larger one.
 template <class Real>
@@ -35,7 +35,7 @@ std::complex<long double> slow_transform(const AlignedVector<std::complex<Real>>
   std::complex<long double> sum;
   for (int64_t i = 0; i < n; ++i)
     sum += std::complex<long double>(data[size_t(i)]) *
-           std::polar(1.0L, sign * turn * (long double)(k * i % n) / (long double)n);
+           std::polar(1.0L, sign * full_turn * (long double)(k * i % n) / (long double)n);
   return sum;
 }
 
@@ -89,7 +89,7 @@ TYPED_TEST(LineTransforms, AreTheDefinitionForPanels) {
 TEST(RootOfUnity, IsExact) {
   for (const int64_t n : {1, 2, 3, 8, 12, 1000, 1087, 1 << 20})
     for (int64_t k = 0; k < n; k += 1 + n / 1000) {
-      const std::complex<long double> exact = std::polar(1.0L, -turn * (long double)k / (long double)n);
+      const std::complex<long double> exact = std::polar(1.0L, -full_turn * (long double)k / (long double)n);
       ASSERT_LT(std::abs(std::complex<long double>(root_of_unity(k, n)) - exact), 2.2e-16L) << k << " of " << n;
     }
 }
