@@ -31,7 +31,8 @@ namespace {
 /// for tiles also serves the light of far waves in tiles that they light partly.
 struct PartPlan {
   PreparedWaves far{}, near{};  // of the part's waves, or of `split`
-  std::array<std::vector<PreparedWave>, 2> split{};
+  std::shared_ptr<const std::array<std::vector<PreparedWave>, 2>>
+      split{};  // shared, so that copies have the same waves
   PlanesChoice planes{};
   TileChoice tiles{};
 
@@ -122,8 +123,10 @@ PartPlan plan_planes(const WavesInTiles& all, const SumGoal& goal, Device* devic
   if (count == waves.size()) {
     plan.far = waves, plan.near = {};  // tiles sum the corners of boxes
   } else {
-    for (const PreparedWave& wave : waves) plan.split[suits(wave) ? 0 : 1].push_back(wave);
-    plan.far = plan.split[0], plan.near = plan.split[1];
+    std::array<std::vector<PreparedWave>, 2> split;
+    for (const PreparedWave& wave : waves) split[suits(wave) ? 0 : 1].push_back(wave);
+    plan.split = std::make_shared<const std::array<std::vector<PreparedWave>, 2>>(std::move(split));
+    plan.far = plan.split->front(), plan.near = plan.split->back();
     plan.tiles = WavesInTiles(plan.near, goal, device).tiles;
   }
   const PlanesCost cost =

@@ -266,7 +266,7 @@ TEST(PropagatorCache, KeepsOnePropagatorForEachQuestion) {
 
 // 100 bytes each, 1000 in all: 250 for those that were asked for once.
 TEST(PropagatorCache, KeepsLittleOfWhatIsAskedForOnce) {
-  KeptPropagators<int> cache;
+  KeptPropagators<int> cache(0.25);
   const auto question = [](int i) { return PropagationQuestion({8, 8, 8_um}, 532_nm, i * 1_mm, {}); };
   const auto ask = [&](int i) {  // whether it is there
     if (cache.find(question(i))) return true;

@@ -12,7 +12,7 @@ namespace {
 template <class Real>
 KeptPropagators<const Propagator<Real>>& cache() {
   // Never destroyed: threads may propagate until the program ends.
-  static auto& kept = *new KeptPropagators<const Propagator<Real>>;
+  static auto& kept = *new KeptPropagators<const Propagator<Real>>(0.25);
   return kept;
 }
 

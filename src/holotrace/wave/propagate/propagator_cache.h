@@ -51,14 +51,17 @@ struct KeptPropagator {
   }
 };
 
-/// Propagators by the questions that they answer. Those that were asked for once take a quarter of the memory at most: most
-/// jobs have many distances and use each once. What was asked for again may take all of it, and is known again even if it
-/// was dropped in between (2Q; Johnson and Shasha 1994). May be used from any thread. Those that are dropped are destroyed
+/// Propagators by the questions that they answer. Those that were asked for once may be held to a part of the memory: most jobs
+/// have many distances and use each once. What was asked for again may take all of it, and is known again even if it was
+/// dropped in between (2Q; Johnson and Shasha 1994). May be used from any thread. Those that are dropped are destroyed
 /// after the lock is released, because that may wait for a device.
 template <class Propagator>
 class KeptPropagators {
  public:
   using Kept = KeptPropagator<Propagator>;
+
+  /// @param part_of_once  of the limit, for those that were asked for once
+  explicit KeptPropagators(double part_of_once = 1) : part_of_once_(part_of_once) {}
 
   std::optional<Kept> find(const PropagationQuestion& question) {
     const std::lock_guard lock(mutex_);
@@ -104,7 +107,7 @@ class KeptPropagators {
       const auto next = std::next(entry);
       bytes += entry->bytes;
       if (!entry->is_asked_again) of_once += entry->bytes;
-      if (bytes > limit || (!entry->is_asked_again && of_once > limit / 4)) {
+      if (bytes > limit || (!entry->is_asked_again && of_once > part_of_once_ * limit)) {
         bytes -= entry->bytes;
         dropped.splice(dropped.end(), entries_, entry);
       }
@@ -119,6 +122,7 @@ class KeptPropagators {
     double bytes;
     bool is_asked_again;
   };
+  const double part_of_once_;
   std::mutex mutex_;
   std::list<Entry> entries_;              // most recently used first
   std::list<PropagationQuestion> asked_;  // lately, also for those that were dropped
