@@ -70,7 +70,8 @@ Checkpoint Checkpoints::of(size_t i) const {
 }
 
 void Checkpoints::remove() const {
-  for (const std::string& path : *used_) std::filesystem::remove(path);
+  std::error_code ignored;  // another program may have removed one
+  for (const std::string& path : *used_) std::filesystem::remove(path, ignored);
 }
 
 }  // namespace holotrace

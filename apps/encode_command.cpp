@@ -99,7 +99,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     require(!checkpoints.are_kept() || params.method == Encoding::sgd,
             "expected --checkpoint only with --method sgd; use sgd, or leave out --checkpoint");
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
-    require(o->frames == 1 || is_stack || !std::filesystem::exists(o->input),
+    require(o->frames == 1 || is_stack || !is_there(o->input),
             "expected --frames only with a focal stack, got {}; leave it out", o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input, global.outside());

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 
@@ -13,8 +14,7 @@ void* load(const ProgramModule& module, const std::string& advice) {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   const std::string file = fmt::format("holotrace_{}.so", module.name);
   for (const fs::path& path : {folder / file, folder / HOLOTRACE_MODULES / file}) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) continue;
+    if (!is_there(path)) continue;
     void* library = dlopen(path.c_str(), module.flags);
     require(library != nullptr, "expected to load {}, got \"{}\"; {}", path.string(), dlerror(), advice);
     if (void* function = dlsym(library, module.function)) return function;

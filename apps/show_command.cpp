@@ -71,7 +71,7 @@ void note_outputs(const std::string& output, const std::vector<Viewpoint>& from)
   for (size_t i = 1; i < views; ++i) note_output(numbered_path(output, i));
   if (swept > 0 && extension_of(output) != ".gif")
     for (const std::string& path : sweep_paths(output, swept))
-      if (std::filesystem::exists(path)) note_output(path);  // there may be many, and only those can be inputs
+      if (is_there(path)) note_output(path);  // there may be many, and only those can be inputs
 }
 
 }  // namespace

@@ -74,7 +74,8 @@ struct Found {
 
 Found open_library() {
   if (const char* given = std::getenv("HOLOTRACE_OIDN"); given && *given) {
-    const std::string file = fs::is_directory(given) ? (fs::path(given) / library_name).string() : given;
+    std::error_code ignored;
+    const std::string file = fs::is_directory(given, ignored) ? (fs::path(given) / library_name).string() : given;
     if (void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return {library, file};
     throw NoDenoiser(fmt::format("expected Open Image Denoise 2 in HOLOTRACE_OIDN, got \"{}\"; name the file {}",
                                  dlerror(), library_name),

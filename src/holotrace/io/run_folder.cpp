@@ -19,8 +19,7 @@ Json versions() { return {{"holotrace", HOLOTRACE_VERSION}}; }
 
 // A report as JSON; empty if there is none at the path. It is an output, so read_text, which notes inputs, is not used.
 nlohmann::json read_report(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return nlohmann::json::object();
+  if (!is_file(path)) return nlohmann::json::object();
   std::ifstream file(path, std::ios::binary);
   return nlohmann::json::parse(file, nullptr, false);
 }
@@ -113,10 +112,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The path of a file that exists, else "".
-std::string if_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored) ? path.string() : "";
-}
+std::string if_there(const fs::path& path) { return is_file(path) ? path.string() : ""; }
 
 std::vector<std::string> numbered_series(const fs::path& first) {
   std::vector<std::string> paths;
@@ -126,11 +122,6 @@ std::vector<std::string> numbered_series(const fs::path& first) {
 }
 
 }  // namespace
-
-bool is_folder(const std::string& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored);
-}
 
 RunFolder list_run(const std::string& folder) {
   const fs::path at(folder);

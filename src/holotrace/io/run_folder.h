@@ -60,9 +60,6 @@ struct RunFolder {
   std::string field, report;           ///< field.npy and report.json; "" where there is none
 };
 
-/// Whether a path is a folder.
-bool is_folder(const std::string& path);
-
 /// Lists the files of a folder. It may hold no run, or a part of one.
 RunFolder list_run(const std::string& folder);
 

@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 // The content of the file; an empty object if it cannot be read.
 Json read_machines(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) return Json::object();
+  if (!is_file(path)) return Json::object();
   try {
     const std::string text = read_text(path, most_text);
     check_json_nesting(text, path);

@@ -193,9 +193,8 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
   require(!paths.empty(), "expected a folder, holograms, a field, sources or a scene to view, got none");
   Contents contents;
   const std::string& path = paths.front();
-  std::error_code ignored;
   for (const std::string& one : paths)
-    require(fs::exists(one, ignored) || running_progress(fs::path(one).parent_path().string()),
+    require(is_there(one) || running_progress(fs::path(one).parent_path().string()),
             "expected a folder, holograms, a field, sources or a scene to view, but {} does not exist", one);
   if (paths.size() == 1 && is_folder(path)) {
     contents.kind = "folder";

@@ -12,6 +12,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/files/text.h"
@@ -100,8 +101,7 @@ using Json = nlohmann::ordered_json;
 // Where the job writes that makes these files.
 std::string folder_of(const std::string& path) {
   namespace fs = std::filesystem;
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) ? path : fs::path(path).parent_path().string();
+  return is_folder(path) ? path : fs::path(path).parent_path().string();
 }
 
 }  // namespace

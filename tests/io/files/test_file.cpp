@@ -23,6 +23,21 @@ TEST(File, TextComesBackAsWritten) {
   EXPECT_EQ(read_text(path), text);
 }
 
+TEST(File, PathsAreToldApart) {
+  const std::string file = test::make_file("told", "apart"), folder = fs::path(file).parent_path().string();
+  const std::string missing = temporary("missing"), too_long = folder + "/" + std::string(300, 'n');
+  const auto kind = [](const std::string& path) {
+    return std::string(is_there(path) ? "there " : "") + (is_file(path) ? "file " : "") +
+           (is_folder(path) ? "folder" : "");
+  };
+  EXPECT_EQ(kind(file), "there file ");
+  EXPECT_EQ(kind(folder), "there folder");
+  EXPECT_EQ(kind("/dev/null"), "there ");
+  EXPECT_EQ(kind(missing), "");
+  EXPECT_EQ(kind(file + "/below"), "");
+  EXPECT_EQ(kind(too_long), "");  // the system reports an error for it, and another one for a file that is missing
+}
+
 TEST(File, AWriteThatFailsLeavesTheOldFileAndNothingElse) {
   const std::string path = temporary("data.bin");
   write_text(path, "old");

@@ -31,7 +31,11 @@ TEST(TemporaryFolder, SaysWhereItCannotBe) {
   const std::string file = test::make_file("no_folder", "");
   setenv("TMPDIR", "/proc", 1);  // a folder in which nobody can make one
   EXPECT_EQ(error_of([] { TemporaryFolder("holotrace_test"); }),
-            "expected a folder for temporary files, but /proc cannot be written");
+            "expected a folder for temporary files, but /proc cannot be written; set TMPDIR to another one");
+  setenv("TMPDIR", file.c_str(), 1);
+  EXPECT_EQ(
+      error_of([] { TemporaryFolder("holotrace_test"); }),
+      "expected a folder for temporary files, but the one in TMPDIR cannot be written; set TMPDIR to another one");
   before ? setenv("TMPDIR", kept.c_str(), 1) : unsetenv("TMPDIR");
 }
 

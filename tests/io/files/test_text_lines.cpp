@@ -90,6 +90,9 @@ TEST(FindBeside, AuthorsPathsLeadToTheFileBesideTheModel) {
   EXPECT_EQ(find("Maps"), "");       // a folder
   EXPECT_EQ(find("maps/"), "");
   EXPECT_EQ(find(""), "");
+  EXPECT_EQ(find(std::string(300, 'n')),
+            "");  // longer than a name may be: the system reports an error, not a missing file
+  EXPECT_EQ(find("C:\\" + std::string(300, 'n') + "\\wood.png"), "Wood.PNG");
 }
 
 TEST(FindBeside, AFileOutsideIsTakenWithPermissionOnly) {

@@ -36,8 +36,7 @@ toml::table parse(const std::string& path) { return parse_toml(path, "the plan o
 std::string photograph_path(const std::string& folder, const std::string& name) {
   for (const char* extension : extensions) {
     const fs::path path = fs::path(folder) / (name + extension);
-    std::error_code ignored;
-    if (fs::is_regular_file(path, ignored)) return path.string();
+    if (is_file(path)) return path.string();
   }
   return "";
 }
@@ -46,7 +45,7 @@ std::string photograph_path(const std::string& folder, const std::string& name) 
 FileRecord earlier_patterns(const std::string& folder) {
   std::error_code ignored;
   FileRecord found;
-  if (!fs::exists(plan_path(folder), ignored)) return found;
+  if (!is_there(plan_path(folder))) return found;
   const toml::table table = parse(plan_path(folder));
   const toml::array* patterns = table["pattern"].as_array();
   if (!patterns) return found;
@@ -56,7 +55,7 @@ FileRecord earlier_patterns(const std::string& folder) {
     const std::string path = (fs::path(folder) / *file).string();
     if (!is_hologram_file(path)) continue;  // a photograph may have been put in its place
     for (const fs::path one : {path, sidecar_path(path), old_sidecar_path(path)})
-      if (fs::is_regular_file(one, ignored)) found.emplace(one.filename().string(), fs::file_size(one, ignored));
+      if (is_file(one)) found.emplace(one.filename().string(), fs::file_size(one, ignored));
   }
   return found;
 }
@@ -108,7 +107,7 @@ CalibrationPlan load_plan(const std::string& path) {
 }
 
 std::vector<Image> load_photographs(const std::string& folder, const CalibrationPlan& plan) {
-  require(fs::is_directory(folder), "expected a folder with the photographs, got {}, which is none", folder);
+  require(is_folder(folder), "expected a folder with the photographs, got {}, which is none", folder);
   std::vector<std::string> paths, missing;
   for (const TestPattern& pattern : plan.patterns) {
     paths.push_back(photograph_path(folder, pattern.name));

@@ -132,7 +132,7 @@ void save_checkpoint(const std::string& path, const IterationState& state) {
 }
 
 std::optional<IterationState> load_checkpoint(const std::string& path, const IterationState& job) {
-  if (!std::filesystem::exists(path)) return std::nullopt;
+  if (!is_there(path)) return std::nullopt;
   check_is_file(path, "a checkpoint");  // it is written again
   IterationState state;
   state.job = job.job;

@@ -68,7 +68,7 @@ FieldBands::FieldBands(const std::string& path, const std::vector<Field>& header
   require(extension_of(path) == ".h5", "expected an .h5 file for a field made in bands, got {}; change its extension",
           path);
   std::error_code ignored;
-  if (fs::exists(journal_, ignored) && fs::exists(partial_, ignored)) {
+  if (is_there(journal_) && is_there(partial_)) {
     read_journal();
     open_partial();
     reserve_room();

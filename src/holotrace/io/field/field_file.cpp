@@ -30,9 +30,8 @@ bool is_hdf5_name(const std::string& extension) {
 
 // The metadata beside an .npy file, under its name or the one of earlier versions.
 std::string sidecar_of(const std::string& path) {
-  std::error_code ignored;
   const std::string old = old_sidecar_path(path);
-  if (!std::filesystem::exists(sidecar_path(path), ignored) && std::filesystem::exists(old, ignored)) return old;
+  if (!is_there(sidecar_path(path)) && is_there(old)) return old;
   check_file_exists(sidecar_path(path), "the field's metadata {pitch_m, wavelengths_m, z_m, image}");
   return sidecar_path(path);
 }
@@ -179,8 +178,7 @@ nlohmann::ordered_json sidecar_json(const std::string& path) {
 }
 
 FileRecord field_record(const std::string& path) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(sidecar_path(path), ignored)) return {};
+  if (!is_file(sidecar_path(path))) return {};
   const nlohmann::ordered_json json = sidecar_json(path);
   if (!json.is_object() || !json.contains(record_key)) return {};
   return record_outside(path, record_from_text(json[record_key].dump(-1, ' ', true)));
@@ -203,8 +201,8 @@ std::vector<std::string> save_field_series(const std::string& path,
     const std::string name = numbered_path(path, i);
     for (const std::string& file : files_of(name)) {
       std::error_code ignored;
-      const bool is_there = i > 0 && fs::exists(file, ignored);
-      if (is_there && earlier.count({fs::path(file).filename().string(), fs::file_size(file, ignored)}) == 0)
+      if (i > 0 && is_there(file) &&
+          earlier.count({fs::path(file).filename().string(), fs::file_size(file, ignored)}) == 0)
         notes.push_back(set_aside(file));
     }
     save_fields(name, stacks[i]);
@@ -216,7 +214,7 @@ std::vector<std::string> save_field_series(const std::string& path,
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   if (extension_of(path) == ".npy")
     json = sidecar_json(path);
-  else if (fs::exists(sidecar_path(path)) && earlier.empty())
+  else if (is_there(sidecar_path(path)) && earlier.empty())
     notes.push_back(set_aside(sidecar_path(path)));
   json[record_key] = record_json(record_inside(path, record));
   write_text(sidecar_path(path), json.dump(2) + "\n");

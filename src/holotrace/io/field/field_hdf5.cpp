@@ -177,9 +177,8 @@ template <class Real>
 std::vector<BasicField<Real>> read_fields_hdf5(const std::string& path, Outside outside) {
   std::vector<BasicField<Real>> stack;
   const std::string beside = sidecar_path(path);  // for programs that write no attributes
-  std::error_code ignored;
   nlohmann::json metadata = nlohmann::json::object();
-  if (std::filesystem::exists(beside, ignored)) {
+  if (is_there(beside)) {
     const nlohmann::json given = read_metadata(beside);
     for (const auto& [key, value] : given.items())
       if (value.is_number() || value.is_array()) metadata[key] = value;

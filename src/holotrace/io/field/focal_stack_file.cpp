@@ -140,7 +140,7 @@ FocalStack load_focal_stack(const std::string& path, Outside outside) {
 }
 
 bool is_focal_stack_file(const std::string& path) try {
-  if (extension_of(path) != ".h5" || !std::filesystem::is_regular_file(path)) return false;
+  if (extension_of(path) != ".h5" || !is_file(path)) return false;
   bool is_stack = false;
   const auto read = [&](ToParent& out) {
     const Silence silence;

@@ -177,9 +177,8 @@ constexpr size_t longest_text = 7'000'000;
 
 // The metadata beside a PNG without text, under its name or the one of earlier versions; empty if there is none.
 std::string hologram_sidecar(const std::string& path) {
-  std::error_code ignored;
   for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)})
-    if (std::filesystem::exists(sidecar, ignored)) return sidecar;
+    if (is_there(sidecar)) return sidecar;
   return "";
 }
 
@@ -244,8 +243,7 @@ std::vector<uint8_t> greys_of(const Hologram& hologram) {
 }
 
 bool is_hologram_file(const std::string& path) {
-  std::error_code ignored;
-  if (extension_of(path) != ".png" || !std::filesystem::is_regular_file(path, ignored)) return false;
+  if (extension_of(path) != ".png" || !is_file(path)) return false;
   if (!metadata_in(path).empty()) return true;
   const std::string sidecar = hologram_sidecar(path);
   return !sidecar.empty() && parse_json_if_sound(read_text(sidecar)).contains("modulation");

@@ -34,6 +34,21 @@ std::string replace_all(std::string text, const std::string& from, const std::st
   return text;
 }
 
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
 void check_is_file(const std::string& path, const char* kind) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
@@ -143,19 +158,12 @@ void ByteSource::seek(uint64_t place) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 bool is_inside(const fs::path& file, const std::string& holder) {
   std::error_code error;
   const fs::path parent = fs::path(holder).parent_path();
   const fs::path folder = fs::canonical(parent.empty() ? fs::path(".") : parent, error);
   const fs::path target = fs::weakly_canonical(file, error);
   return !error && std::mismatch(folder.begin(), folder.end(), target.begin(), target.end()).first == folder.end();
-}
-
-bool is_there(const fs::path& file) {
-  std::error_code ignored;
-  return fs::exists(file, ignored);
 }
 
 // A file below a folder, by a path with letters of either case; "" if there is none.
@@ -189,14 +197,14 @@ void require_inside(const std::string& file, const std::string& holder, Outside 
 std::string find_beside(const std::string& name, const std::string& holder, Outside outside) {
   const fs::path folder = fs::path(holder).parent_path(), named = replace_all(name, "\\", "/");
   const fs::path whole = folder / named;
-  if (named.empty() || fs::is_directory(whole)) return "";
+  if (named.empty() || is_folder(whole)) return "";
   if (is_there(whole) && (outside == Outside::allowed || is_inside(whole, holder))) return whole.string();
   for (auto first = named.begin(); first != named.end(); ++first) {
     if (*first == "/" || *first == "." || *first == "..") continue;
     fs::path last_parts;
     for (auto part = first; part != named.end(); ++part) last_parts /= *part;
     const fs::path found = below(folder, last_parts);
-    if (found.empty() || fs::is_directory(found)) continue;
+    if (found.empty() || is_folder(found)) continue;
     if (outside == Outside::allowed || is_inside(found, holder)) return found.string();
   }
   if (!is_there(whole)) return "";

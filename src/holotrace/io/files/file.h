@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -28,6 +29,12 @@ void write_atomically(const std::string& path, const std::function<void(const st
 /// Writes a text or other bytes to the file `path`, completely or not at all.
 /// @throws Error as write_atomically does
 void write_text(const std::string& path, const std::string& text);
+
+/// Whether a path leads to something; to a file on a disk; to a folder. Links are followed. False, too, for what the system
+/// refuses to look for, such as a name that is too long.
+bool is_there(const std::filesystem::path& path);
+bool is_file(const std::filesystem::path& path);
+bool is_folder(const std::filesystem::path& path);
 
 /// @throws Error unless `path` is a file on a disk, naming it; `kind` states what was expected ("a mesh").
 void check_is_file(const std::string& path, const char* kind);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/text.h"
 
 namespace holotrace {
@@ -16,8 +17,7 @@ using namespace std::string_view_literals;
 
 // None of what is no file on a disk: to read from a pipe would wait for its writer.
 std::string first_bytes(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return "";
+  if (!is_file(path)) return "";
   std::string bytes(4096, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), std::streamsize(bytes.size()));

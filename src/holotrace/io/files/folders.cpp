@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 namespace {
@@ -30,7 +31,7 @@ std::optional<std::string> writable_cache_folder() {
   if (folder.empty()) return std::nullopt;
   std::error_code ignored;
   fs::create_directories(folder, ignored);
-  if (!fs::is_directory(folder, ignored) || access(folder.c_str(), W_OK) != 0) return std::nullopt;
+  if (!is_folder(folder) || access(folder.c_str(), W_OK) != 0) return std::nullopt;
   return folder.string();
 }
 
@@ -76,10 +77,13 @@ FolderLock::~FolderLock() {
 
 namespace fs = std::filesystem;
 
-TemporaryFolder::TemporaryFolder(const std::string& name)
-    : path_((fs::temp_directory_path() / (name + "_XXXXXX")).string()) {
-  require(mkdtemp(path_.data()) != nullptr, "expected a folder for temporary files, but {} cannot be written",
-          fs::temp_directory_path().string());
+TemporaryFolder::TemporaryFolder(const std::string& name) {
+  std::error_code error;
+  const fs::path parent = fs::temp_directory_path(error);
+  path_ = (parent / (name + "_XXXXXX")).string();
+  require(!error && mkdtemp(path_.data()) != nullptr,
+          "expected a folder for temporary files, but {} cannot be written; set TMPDIR to another one",
+          error ? "the one in TMPDIR" : parent.string());
 }
 
 TemporaryFolder::~TemporaryFolder() {

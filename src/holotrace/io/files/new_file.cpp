@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/file.h"
 
 namespace holotrace {
 namespace {
@@ -28,7 +29,7 @@ void check_destination(const std::string& path) {
   if (fs::exists(status) && !fs::is_regular_file(status))
     fail("expected a file to write at {}, got a device or a pipe; choose another name", path);
   const fs::path folder = fs::path(path).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, ignored))
+  if (!folder.empty() && !is_folder(folder))
     fail("expected the folder {} to write {} into, but it does not exist; make it first", folder.string(), path);
 }
 

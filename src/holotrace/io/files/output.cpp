@@ -104,13 +104,10 @@ void check_output(const std::string& path, const std::vector<std::string>& exten
   const bool is_known = std::find(extensions.begin(), extensions.end(), extension_of(path)) != extensions.end();
   require(extensions.empty() || is_known, "expected an output file {}, got {}; change its extension",
           fmt::join(extensions, " or "), path);
-  std::error_code error;
-  require(!fs::is_directory(path, error), "expected the name of a file to write, got the folder {}; name a file in it",
-          path);
+  require(!is_folder(path), "expected the name of a file to write, got the folder {}; name a file in it", path);
   const fs::path parent = fs::path(path).parent_path();
   const fs::path folder = parent.empty() ? fs::path(".") : parent;
-  require(fs::is_directory(folder, error), "cannot write {}: the folder {} does not exist; create it first", path,
-          folder.string());
+  require(is_folder(folder), "cannot write {}: the folder {} does not exist; create it first", path, folder.string());
   require(access(folder.c_str(), W_OK) == 0, "cannot write {}: the folder {} is not writable; choose another place",
           path, folder.string());
   note_output(path);
@@ -120,7 +117,7 @@ void check_output(const std::string& path, const std::vector<std::string>& exten
 void make_folder(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  require(!error && fs::is_directory(path), "cannot create the folder {}: {}; choose another place", path,
+  require(!error && is_folder(path), "cannot create the folder {}: {}; choose another place", path,
           error ? error.message() : "a file of that name exists");
   require(access(path.c_str(), W_OK) == 0, "cannot write into the folder {}: it is not writable; choose another place",
           path);

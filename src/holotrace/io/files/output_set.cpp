@@ -38,7 +38,7 @@ OutputSet::OutputSet(const std::string& folder) : folder_(folder.empty() ? "." :
     lock_ = open(staging_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (lock_ < 0 && (errno == EMFILE || errno == ENFILE)) fail_to_write(folder_, std::strerror(errno));
     const bool is_taken = lock_ < 0 || (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK);
-    if (!is_taken && fs::exists(staging_)) return;
+    if (!is_taken && is_there(staging_)) return;
     if (lock_ >= 0) close(lock_);
   }
   fail_to_write(folder_, "other programs remove what is written");
@@ -74,11 +74,12 @@ std::vector<std::string> OutputSet::publish(const FileRecord& earlier, const std
   names.push_back(main);
   const fs::path folder = folder_ == "." ? fs::path() : fs::path(folder_);
   for (const auto& [name, size] : earlier)
-    if (name != main && is_recorded(earlier, folder / name)) fs::remove(folder / name);
+    if (std::error_code error; name != main && is_recorded(earlier, folder / name) && !fs::remove(folder / name, error))
+      fail_to_write((folder / name).string(), error.message());
   for (const std::string& name : names) {
     const fs::path target = folder / name;
-    if (name != main && fs::exists(fs::symlink_status(target))) notes.push_back(set_aside(target.string()));
     std::error_code error;
+    if (name != main && fs::exists(fs::symlink_status(target, error))) notes.push_back(set_aside(target.string()));
     fs::rename(path(name), target, error);
     if (error) fail_to_write(target.string(), error.message());
   }
@@ -91,8 +92,8 @@ std::string OutputSet::final_text(const std::string& text) const {
 
 std::string set_aside(const std::string& path) {
   std::string aside = path + "~";
-  for (int n = 2; fs::exists(fs::symlink_status(aside)); ++n) aside = fmt::format("{}~{}~", path, n);
   std::error_code error;
+  for (int n = 2; fs::exists(fs::symlink_status(aside, error)); ++n) aside = fmt::format("{}~{}~", path, n);
   fs::rename(path, aside, error);
   if (error) fail_to_write(path, error.message());
   return fmt::format("{} was not written by an earlier call of this command; it is kept as {}", path, aside);
@@ -161,8 +162,7 @@ std::string record_line(const std::string& path, const FileRecord& record) {
 }
 
 FileRecord record_in_text(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  if (!is_file(path)) return {};
   std::ifstream file(path, std::ios::binary);  // an output, so not by read_text, which notes inputs
   constexpr std::streamoff most = 1 << 16;
   file.seekg(0, std::ios::end);

@@ -223,8 +223,7 @@ bool has_image_ending(const std::string& path) {
 }
 
 std::string text_in_image(const std::string& path, const char* name) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return "";
+  if (!is_file(path)) return "";
   try {
     const std::optional<PictureHeader> header = read_picture_header(path);
     return header ? header->text(name) : "";

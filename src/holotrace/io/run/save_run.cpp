@@ -141,7 +141,7 @@ SavedRun save_run(const std::string& folder, const RunResults& results, const Jo
     save_report(set.path("report.json"), results.report, saved.files);
     // From here on the folder may hold files of both runs.
     if (before_naming) naming = before_naming();
-    if (std::filesystem::exists(report) && !is_report(report)) saved.notes.push_back(set_aside(report));
+    if (is_there(report) && !is_report(report)) saved.notes.push_back(set_aside(report));
     FileRecord both = earlier;
     both.insert(saved.files.begin(), saved.files.end());
     save_incomplete_report(report, both);

@@ -163,8 +163,7 @@ std::vector<std::string> user_panel_folders() {
 std::string panel_file(const std::string& name) {
   for (const std::string& folder : panel_folders()) {
     const fs::path file = fs::path(folder) / (name + ".toml");
-    std::error_code ignored;
-    if (fs::is_regular_file(file, ignored)) return file.string();
+    if (is_file(file)) return file.string();
   }
   return "";
 }
@@ -256,7 +255,7 @@ std::vector<std::string> panel_folders() {
   wanted.emplace_back(HOLOTRACE_PANELS_SOURCE);
   std::vector<std::string> folders;
   for (const fs::path& folder : wanted)
-    if (fs::is_directory(folder, ignored)) folders.push_back(folder.string());
+    if (is_folder(folder)) folders.push_back(folder.string());
   return folders;
 }
 
