@@ -9,10 +9,9 @@ spread of 0.1 to 40 % of them. A method that must be slower by far is not timed.
 
 import sys
 import time
+import warnings
 
 import numpy as np
-
-import warnings
 
 import holotrace as ht
 
@@ -39,6 +38,7 @@ def seconds(sources, panel, method, tolerance):
 
 
 def main():
+    warnings.simplefilter("ignore", ht.ResultWarning)  # waves that light no pixel
     cases = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     random = np.random.default_rng(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
     ratios = []

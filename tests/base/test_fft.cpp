@@ -1,13 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "holotrace/base/array.h"
+#include "holotrace/base/column_fft.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/fft_stages.h"
@@ -15,8 +18,17 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 
+// Transforms of lines, and of columns side by side.
+
 namespace holotrace {
 namespace {
+
+constexpr int columns = column_block;
+constexpr long double full_turn = 2 * std::numbers::pi_v<long double>;
+using LongComplex = std::complex<long double>;
+
+constexpr std::array<std::pair<FftDirection, int>, 2> directions{
+    {{FftDirection::forward, -1}, {FftDirection::backward, 1}}};
 
 template <class Real>
 AlignedVector<std::complex<Real>> noise(int count) {
@@ -26,62 +38,85 @@ AlignedVector<std::complex<Real>> noise(int count) {
   return data;
 }
 
-constexpr long double full_turn = 2 * std::numbers::pi_v<long double>;
-
-// Sample k of a transform by the definition. In double its own rounding would be the larger one.
+// Compares `samples` of a spectrum with the definition: transforms of `length` samples, sample i of transform c at
+// i·count + c. They are about √(length/6). Each of their log₂(length) levels rounds them by an epsilon or less, at random, by
+// sums, products and factors: together 0.4·√(length·levels) epsilons as a standard deviation. Five times that is beyond
+// chance; a convolution with a chirp has twice as many levels, and 3.5 times its deviation. The sum is in long double: in
+// double its own rounding would be the larger one.
 template <class Real>
-std::complex<long double> slow_transform(const AlignedVector<std::complex<Real>>& data, int k, int sign) {
-  const auto n = int64_t(data.size());
-  std::complex<long double> sum;
-  for (int64_t i = 0; i < n; ++i)
-    sum += std::complex<long double>(data[size_t(i)]) *
-           std::polar(1.0L, sign * full_turn * (long double)(k * i % n) / (long double)n);
-  return sum;
+void expect_the_definition(const AlignedVector<std::complex<Real>>& data, const AlignedVector<std::complex<Real>>& out,
+                           int length, int count, int sign, int samples) {
+  const long double tolerance =
+      2 * std::numeric_limits<Real>::epsilon() * std::sqrt(length * (1 + std::log2((long double)length)));
+  std::vector<LongComplex> roots;
+  for (int i = 0; i < length; ++i) roots.push_back(std::polar(1.0L, sign * full_turn * i / length));
+  for (int n = 0; n < samples; ++n) {
+    const int64_t k = int64_t(n) * length / samples;
+    for (int c = 0; c < count; ++c) {
+      LongComplex sum;
+      for (int64_t i = 0; i < length; ++i)
+        sum += LongComplex(data[size_t(i * count + c)]) * roots[size_t(k * i % length)];
+      ASSERT_LT(std::abs(LongComplex(out[size_t(k * count + c)]) - sum), tolerance)
+          << "sample " << k << " of " << length << ", transform " << c << ", sign " << sign;
+    }
+  }
 }
 
 template <class Real>
-class LineTransforms : public ::testing::Test {
+class Transforms : public ::testing::Test {
  protected:
-  // Compares `samples` of the spectrum with the definition. They are about √(length/6). Each of its log₂(length) levels
-  // rounds them by an epsilon or less, at random, by sums, products and factors: together 0.4·√(length·levels) epsilons
-  // as a standard deviation; a convolution with a chirp has twice as many levels. Five times the former is beyond chance.
-  static void expect_the_definition(int length, int samples) {
+  using Complex = std::complex<Real>;
+
+  // Both ways, also in place.
+  static void expect_lines(int length, int samples) {
     const auto data = noise<Real>(length);
-    const long double tolerance =
-        2 * std::numeric_limits<Real>::epsilon() * std::sqrt(length * (1 + std::log2((long double)length)));
-    for (const auto& [direction, sign] : {std::pair{FftDirection::forward, -1}, {FftDirection::backward, 1}}) {
+    for (const auto& [direction, sign] : directions) {
       const Fft<Real> transform(length, direction);
-      AlignedVector<std::complex<Real>> out(data.size()), in_place = data;
+      AlignedVector<Complex> out(data.size()), in_place = data;
       transform(data.data(), out.data());
-      for (int n = 0; n < samples; ++n) {
-        const int k = int(int64_t(n) * length / samples);
-        ASSERT_LT(std::abs(std::complex<long double>(out[size_t(k)]) - slow_transform(data, k, sign)), tolerance)
-            << "sample " << k << " of " << length << ", sign " << sign;
-      }
+      expect_the_definition(data, out, length, 1, sign, samples);
       transform(in_place.data());
       EXPECT_EQ(in_place, out) << length;
     }
     EXPECT_EQ(data, noise<Real>(length)) << "the input is not changed";
   }
+
+  static void expect_columns(int length, int samples) {
+    const auto data = noise<Real>(length * columns);
+    const ColumnFft<Real> transform(length);
+    AlignedVector<Complex> out(data.size()), work(data.size());
+    for (const auto& [direction, sign] : directions) {
+      transform(direction, data.data(), out.data(), work.data());
+      expect_the_definition(data, out, length, columns, sign, samples);
+    }
+    EXPECT_EQ(data, noise<Real>(length * columns)) << "the input is not changed";
+  }
 };
 
 using Reals = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(LineTransforms, Reals);
+TYPED_TEST_SUITE(Transforms, Reals);
 
-// Of these, 17, 19, … have other factors than 2 to 13.
-TYPED_TEST(LineTransforms, AreTheDefinitionForAllShortLengths) {
+// Lengths of one stage, of several, and those with other factors than 2 to 13 (17, 19, …).
+TYPED_TEST(Transforms, AreTheDefinitionForAllShortLengths) {
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet only(name);
-    for (int length = 1; length <= 100; ++length) TestFixture::expect_the_definition(length, length);
+    for (int length = 1; length <= 100; ++length) {
+      TestFixture::expect_lines(length, length);
+      TestFixture::expect_columns(length, length);
+    }
   }
 }
 
-// Rows of panels: whole blocks of columns, parts of them, all radices, and prime numbers (683·2, 97·28, 1087).
-TYPED_TEST(LineTransforms, AreTheDefinitionForPanels) {
+// Rows and columns of panels: whole blocks of columns and parts of them; powers of each radix alone; prime numbers (683·2,
+// 97·28, 1087).
+TYPED_TEST(Transforms, AreTheDefinitionForPanels) {
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet only(name);
-    for (const int length : {1001, 1024, 1050, 1087, 1280, 1366, 1920, 2187, 2716, 3840, 4096, 4099, 4199})
-      TestFixture::expect_the_definition(length, 7);
+    for (const int length :
+         {1001, 1024, 1050, 1080, 1087, 1280, 1331, 1366, 1920, 2160, 2187, 2197, 2401, 2716, 3125, 4096, 4099}) {
+      TestFixture::expect_lines(length, 7);
+      TestFixture::expect_columns(length, 3);
+    }
   }
 }
 
@@ -94,7 +129,7 @@ TEST(RootOfUnity, IsExact) {
     }
 }
 
-TYPED_TEST(LineTransforms, TakeDataThatAreNotAligned) {
+TYPED_TEST(Transforms, TakeLinesThatAreNotAligned) {
   for (const int n : {6, 60, 250, 1280, 1366}) {
     const auto data = noise<TypeParam>(n + 1);
     AlignedVector<std::complex<TypeParam>> aligned(data.begin() + 1, data.end()), expected(aligned.size()),
@@ -107,7 +142,7 @@ TYPED_TEST(LineTransforms, TakeDataThatAreNotAligned) {
 }
 
 // The result of one thread does not depend on what it transformed before: its memory is used again.
-TYPED_TEST(LineTransforms, DoNotDependOnEarlierOnes) {
+TYPED_TEST(Transforms, DoNotDependOnEarlierOnes) {
   const auto data = noise<TypeParam>(1366);
   AlignedVector<std::complex<TypeParam>> first(data.size()), second(data.size());
   const Fft<TypeParam> transform(1366, FftDirection::forward);
@@ -152,6 +187,59 @@ TEST(Fft, HasGoodLengthsOfSmallFactors) {
 }
 
 TEST(Fft, RefusesATransformOfNothing) { EXPECT_THROW(Fft<float>(0, FftDirection::forward), Error); }
+
+TYPED_TEST(Transforms, GoBackToWhatTheyCameFrom) {
+  const int length = 1080;
+  const auto data = noise<TypeParam>(length * columns);
+  AlignedVector<std::complex<TypeParam>> spectrum(data.size()), back(data.size()), work(data.size());
+  const ColumnFft<TypeParam> transform(length);
+  transform(FftDirection::forward, data.data(), spectrum.data(), work.data());
+  transform(FftDirection::backward, spectrum.data(), back.data(), work.data());
+  // Both ways round by about √log₂(length) half epsilons of numbers below 1.
+  for (size_t i = 0; i < data.size(); ++i)
+    ASSERT_LT(std::abs(back[i] / TypeParam(length) - data[i]), 20 * std::numeric_limits<TypeParam>::epsilon()) << i;
+}
+
+// Any thread may use any of them at any time: the result does not depend on what `work` held.
+TYPED_TEST(Transforms, DoNotDependOnTheirWorkSpace) {
+  for (const int length : {6, 60, 1080, 1087}) {
+    const auto data = noise<TypeParam>(length * columns);
+    AlignedVector<std::complex<TypeParam>> first(data.size()), second(data.size()), work(data.size());
+    const ColumnFft<TypeParam> transform(length);
+    ASSERT_EQ(transform.work_size(), work.size());
+    transform(FftDirection::forward, data.data(), first.data(), work.data());
+    work.assign(work.size(), std::numeric_limits<TypeParam>::quiet_NaN());
+    second = work;
+    transform(FftDirection::forward, data.data(), second.data(), work.data());
+    EXPECT_EQ(first, second) << length;
+  }
+}
+
+TYPED_TEST(Transforms, TurnColumnsToRows) {
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    for (const int length : {1, 3, 8, 29}) {
+      const auto data = noise<TypeParam>(length * columns);  // [column][sample]
+      std::array<const std::complex<TypeParam>*, columns> from;
+      for (size_t c = 0; c < from.size(); ++c) from[c] = data.data() + c * size_t(length);
+      AlignedVector<std::complex<TypeParam>> rows(data.size() + 1, TypeParam(7));
+      turn_to_rows(from, length, rows.data());
+      for (int i = 0; i < length; ++i)
+        for (int c = 0; c < columns; ++c)
+          ASSERT_EQ(rows[size_t(i * columns + c)], data[size_t(c * length + i)]) << name << ", " << length;
+      EXPECT_EQ(rows.back(), std::complex<TypeParam>(7)) << "nothing is written beyond";
+    }
+  }
+}
+
+TEST(ColumnTransform, NeedsASample) {
+  try {
+    ColumnFft<float>(0);
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(), "expected a transform of at least 1 sample, got 0");
+  }
+}
 
 }  // namespace
 }  // namespace holotrace

@@ -91,8 +91,8 @@ struct TilesMet {
 TilesMet tiles_met(PreparedWaves waves, TileShape shape, const PixelBox& bounds, size_t most = SIZE_MAX) {
   const size_t step = std::max<size_t>(1, waves.size() / most);
   const auto met = [](int first, int end, int step) { return double((end - 1) / step - first / step + 1); };
-  const auto whole = [](int first, int end, int most, int step) {
-    return std::max(0.0, double((end == most ? end + step - 1 : end) / step - (first + step - 1) / step));
+  const auto whole = [](int first, int end, int size, int step) {  // a tile that the panel's edge cuts is whole, too
+    return std::max(0.0, double((end == size ? end + step - 1 : end) / step - (first + step - 1) / step));
   };
   TilesMet sum;
   size_t count = 0;
@@ -118,8 +118,7 @@ SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const Pix
   const TilesMet met = tiles_met(waves, plan.shape, bounds, most);
   SummationWork work = met.all * plan.shape.columns * plan.shape.rows * tile_work(plan);
   // One wave with an edge makes the factors of its whole batch take twice as long.
-  constexpr int batch = 128;
-  if (met.all > 0) work.factors *= 2 - std::pow(1 - met.cut / met.all, batch);
+  if (met.all > 0) work.factors *= 2 - std::pow(1 - met.cut / met.all, waves_of_batch);
   return work;
 }
 

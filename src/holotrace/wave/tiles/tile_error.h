@@ -182,6 +182,9 @@ struct TileChoice {
   bool meets_tolerance = false;
 };
 
+/// Waves whose factors are stored at once, so that they stay in the caches.
+constexpr int waves_of_batch = 128;
+
 /// Pixels of the tiles that the waves meet, added up over the waves: a tile that a wave lights partly counts as a whole.
 double pixels_of_tiles(PreparedWaves waves, TileShape shape, const PixelBox& bounds);
 
