@@ -3,7 +3,7 @@
 
 Usage: transform_figures.py [ROUNDS]     in a Python with numpy, pyfftw and ducc0, after a release build
 
-    line     one transform of contiguous samples
+    lines    64 transforms of contiguous samples, one after the other: the time of one
     columns  16 transforms along the first axis of an array of length × 16 samples
 """
 
@@ -24,13 +24,13 @@ TYPES = {"float": np.complex64, "double": np.complex128}
 
 def holotrace_times():
     """Microseconds of each benchmark, by its kind, type and length."""
-    done = subprocess.run([BENCH, "--benchmark_filter=^(line|columns)<", "--benchmark_format=json", "--benchmark_min_time=0.02"],
+    done = subprocess.run([BENCH, "--benchmark_filter=^(lines|columns)<", "--benchmark_format=json", "--benchmark_min_time=0.02"],
                           capture_output=True, check=True)
     times = {}
     for run in json.loads(done.stdout)["benchmarks"]:
         name, length = run["name"].split("/")
         kind, real = name.rstrip(">").split("<")
-        times[kind, real, int(length)] = run["real_time"]
+        times[kind, real, int(length)] = run["real_time"] / (64 if kind == "lines" else 1)
     return times
 
 
@@ -49,8 +49,7 @@ def microseconds(work):
 
 
 def other_times(kind, real, length):
-    # Several lines in one call, so that the call from Python counts little.
-    shape, axis, parts = ((64, length), 1, 64) if kind == "line" else ((length, 16), 0, 1)
+    shape, axis, parts = ((64, length), 1, 64) if kind == "lines" else ((length, 16), 0, 1)
     data, result = pyfftw.ones_aligned(shape, TYPES[real]), pyfftw.empty_aligned(shape, TYPES[real])
     plan = pyfftw.FFTW(data, result, axes=(axis,), flags=("FFTW_MEASURE",), threads=1)
     data[:] = 1

@@ -99,7 +99,7 @@ struct TiledKernel {
   }
 };
 
-// The fastest tile shape that keeps the tolerance with these products, as choose_tile finds it among all products.
+// The largest tile shape that keeps the tolerance with these products.
 TilePlan plan_for(const TiledKernel& kernel, const std::vector<PreparedWave>& waves, const Grid& panel,
                   double wavelength, double tolerance) {
   const std::vector<DrawnPixel> pixels = draw_pixels(waves);

@@ -215,7 +215,7 @@ TYPED_TEST(Transforms, DoNotDependOnTheirWorkSpace) {
   }
 }
 
-TYPED_TEST(Transforms, TurnColumnsToRows) {
+TYPED_TEST(Transforms, TurnColumnsToRowsAndBack) {
   for (const std::string& name : instruction_sets()) {
     const OnInstructionSet only(name);
     for (const int length : {1, 3, 8, 29}) {
@@ -228,6 +228,10 @@ TYPED_TEST(Transforms, TurnColumnsToRows) {
         for (int c = 0; c < columns; ++c)
           ASSERT_EQ(rows[size_t(i * columns + c)], data[size_t(c * length + i)]) << name << ", " << length;
       EXPECT_EQ(rows.back(), std::complex<TypeParam>(7)) << "nothing is written beyond";
+      AlignedVector<std::complex<TypeParam>> turned(data.size() + 1, TypeParam(7));
+      turn_to_columns(rows.data(), length, turned.data());
+      for (size_t i = 0; i < data.size(); ++i) ASSERT_EQ(turned[i], data[i]) << name << ", " << length;
+      EXPECT_EQ(turned.back(), std::complex<TypeParam>(7));
     }
   }
 }

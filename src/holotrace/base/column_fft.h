@@ -34,7 +34,8 @@ void turn_to_columns(const std::complex<Real>* rows, int count, std::complex<Rea
 }
 
 /// Transforms of a block of columns that lie side by side, before and after. The columns are the lanes of vectors, so that
-/// no sample changes its lane. Tables are made once for each length and kept for the life of the program.
+/// no sample changes its lane. Tables are made once for each length and kept for the life of the program. A length with
+/// other factors than 2 to 13 takes 48 complex numbers for each sample of its padded convolution besides, which each thread keeps.
 template <class Real>
 class ColumnFft {
  public:

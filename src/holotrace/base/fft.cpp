@@ -38,8 +38,6 @@ namespace {
 
 bool has_stages(int length) { return std::isfinite(fft_stages_cost(length)); }
 
-int whole_blocks(int columns) { return (columns + column_block - 1) / column_block * column_block; }
-
 // Tables of all lengths that the program has used. Never destroyed: threads may still transform while the program ends.
 template <class Tables>
 const Tables& tables_of(int length) {
@@ -162,7 +160,7 @@ void fft_2d(std::complex<Real>* data, int ny, int nx, FftDirection direction) {
   const Fft<Real> along_row(nx, direction);
   const ColumnFft<Real> along_column(ny);
   parallel_for(0, ny, [&](int64_t j) { along_row(data + j * nx); });
-  parallel_for(0, whole_blocks(nx) / column_block, [&](int64_t b) {
+  parallel_for(0, whole_blocks(nx, column_block) / column_block, [&](int64_t b) {
     const int first = int(b) * column_block, count = std::min(column_block, nx - first);
     const size_t size = along_column.work_size();
     std::complex<Real>* const block = spare_memory<std::complex<Real>, 3>(3 * size);

@@ -21,7 +21,7 @@ struct ChirpTables;
 ///
 /// A length with the factors 2 to 13 only is done as the columns and then the rows of a rectangle (Bailey 1990, FFTs in
 /// external or hierarchical memory), each of them in the lanes of vectors. Others are convolved with a chirp (Bluestein
-/// 1970), which takes about four times as long.
+/// 1970), which takes four to nine times as long.
 template <class Real>
 class Fft {
  public:

@@ -217,7 +217,7 @@ void line(const FftLine<Real>& t, bool swaps, const std::complex<Real>* from, st
   Real *const output = reinterpret_cast<Real*>(to), *const work = reinterpret_cast<Real*>(spaces);
   const size_t rows = size_t(t.rows), columns = size_t(t.columns), block = line_block<Real>;
   const size_t of_columns = 2 * rows * block;  // numbers of a block of columns
-  const size_t spare = 2 * std::max(rows, (columns + block - 1) / block * block) * block;
+  const size_t spare = 2 * std::max(rows, size_t(whole_blocks(t.columns, line_block<Real>))) * block;
   Real *const a = work, *const b = work + spare, *const c = b + spare, *const blocks = c + spare;
   for (size_t first = 0, at = 0; first < columns; first += block, at += of_columns) {
     FftColumns<const Real> entering{input + 2 * first, t.columns, FftForm::interleaved};

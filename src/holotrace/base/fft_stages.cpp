@@ -83,8 +83,6 @@ FftStages<Real>::FftStages(int length) : length(length) {
 
 namespace {
 
-int whole_blocks(int columns, int block) { return (columns + block - 1) / block * block; }
-
 // The rectangle of a line, with blocks of columns, for which the work is least.
 struct Rectangle {
   int rows = 1;

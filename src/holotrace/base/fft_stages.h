@@ -15,6 +15,9 @@ namespace holotrace {
 /// Columns of a block: whole cache lines, and whole vectors of every instruction set, in either precision.
 constexpr int column_block = 16;
 
+/// The number of columns in whole blocks of them.
+constexpr int whole_blocks(int columns, int block) { return (columns + block - 1) / block * block; }
+
 /// Columns of a block within a line: two cache lines.
 template <class Real>
 constexpr int line_block = int(128 / sizeof(std::complex<Real>));

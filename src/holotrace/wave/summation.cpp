@@ -1,7 +1,6 @@
 #include "holotrace/wave/summation.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
@@ -194,21 +193,6 @@ constexpr double bytes_per_wave = 340;  // prepared, split into far and near, so
 constexpr double bytes_per_wave_on_devices = sizeof(DeviceWave);
 constexpr double bytes_of_rest =
     4 * (sizeof(PreparedWave) + sizeof(DeviceWave)) + double(sizeof(PlanePacket)) / packet_waves;
-
-// Calls work(box, buffers) for the tiles that cover `bounds`, from its top left corner on.
-template <class Buffers, class Work>
-void for_each_tile(const PixelBox& bounds, TileShape tile, const Work& work, const Observer& observer) {
-  tbb::enumerable_thread_specific<Buffers> buffers;
-  const int across = (bounds.x1 - bounds.x0 + tile.columns - 1) / tile.columns;
-  const int down = (bounds.y1 - bounds.y0 + tile.rows - 1) / tile.rows;
-  parallel_for(
-      0, int64_t(across) * down,
-      [&](int64_t t) {
-        const int x0 = bounds.x0 + int(t % across) * tile.columns, y0 = bounds.y0 + int(t / across) * tile.rows;
-        work({x0, std::min(x0 + tile.columns, bounds.x1), y0, std::min(y0 + tile.rows, bounds.y1)}, buffers.local());
-      },
-      observer);
-}
 
 // Far waves by planes in the tiles that they light wholly, and all other light by tiles.
 void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, SummedField& sum,

@@ -35,7 +35,7 @@ TEST(TemporaryFolder, SaysWhereItCannotBe) {
   setenv("TMPDIR", file.c_str(), 1);
   EXPECT_EQ(
       error_of([] { TemporaryFolder("holotrace_test"); }),
-      "expected a folder for temporary files, but the one in TMPDIR cannot be written; set TMPDIR to another one");
+      "expected a folder for temporary files, but the one that TMPDIR, TMP or TEMP names cannot be written; set TMPDIR to another one");
   before ? setenv("TMPDIR", kept.c_str(), 1) : unsetenv("TMPDIR");
 }
 

@@ -286,6 +286,31 @@ TEST(PropagatorCache, KeepsLittleOfWhatIsAskedForOnce) {
   EXPECT_EQ(cache.bytes(), 300);
 }
 
+TEST(PropagatorCache, DropsNoSmallOnesForOneThatIsTooLarge) {
+  KeptPropagators<int> cache(0.25);
+  const auto question = [](int i) { return PropagationQuestion({8, 8, 8_um}, 532_nm, i * 1_mm, {}); };
+  const auto keep = [&](int i, double bytes) { cache.keep(question(i), {std::make_shared<int>(i)}, bytes, 1000); };
+  keep(1, 100);
+  keep(2, 100);
+  keep(3, 300);  // more than a quarter
+  EXPECT_EQ(cache.bytes(), 200);
+  keep(3, 300);  // asked for again
+  EXPECT_EQ(cache.bytes(), 500);
+  keep(3, 300);  // another thread made it, too
+  EXPECT_EQ(cache.bytes(), 500);
+}
+
+TEST(PropagatorCache, OneThatSeveralThreadsMakeIsStillAskedForOnce) {
+  KeptPropagators<int> cache(0.25);
+  const auto question = [](int i) { return PropagationQuestion({8, 8, 8_um}, 532_nm, i * 1_mm, {}); };
+  const auto keep = [&](int i) { cache.keep(question(i), {std::make_shared<int>(i)}, 100, 1000); };
+  for (int n = 0; n < 4; ++n) keep(1);
+  EXPECT_EQ(cache.bytes(), 100);
+  for (int i = 2; i < 6; ++i) keep(i);
+  EXPECT_EQ(cache.bytes(), 200);
+  EXPECT_FALSE(cache.find(question(1)));
+}
+
 TEST(PropagatorCache, MayBeAskedFromManyThreads) {
   const Field field = convert<float>(make_white_noise({33, 21, 8_um}, 10));
   const Field expected = propagate(field, 0.013_m);

@@ -33,52 +33,51 @@ std::vector<PreparedWave> drawn_boxes(int count) {
   return waves;
 }
 
-struct Counted {
-  double met = 0, cut = 0;
-};
-
-// Looks at every tile for every wave.
-Counted count_tiles(const std::vector<PreparedWave>& waves, TileShape shape) {
-  Counted counted;
+// Pairs of a wave and a tile that it meets, by looking at all of them.
+double count_tiles(const std::vector<PreparedWave>& waves, TileShape shape) {
+  double met = 0;
   for (const PreparedWave& wave : waves)
     for (int y = bounds.y0; y < bounds.y1; y += shape.rows)
-      for (int x = bounds.x0; x < bounds.x1; x += shape.columns) {
-        const PixelBox tile = intersect({x, x + shape.columns, y, y + shape.rows}, bounds);
-        const PixelBox lit = intersect(tile, wave.box);
-        counted.met += !lit.is_empty();
-        counted.cut += !lit.is_empty() && lit.pixels() < tile.pixels();
-      }
-  return counted;
+      for (int x = bounds.x0; x < bounds.x1; x += shape.columns)
+        met += !intersect({x, x + shape.columns, y, y + shape.rows}, intersect(bounds, wave.box)).is_empty();
+  return met;
 }
 
 TEST(TileWork, IsThatOfTheTilesThatTheWavesMeet) {
-  std::vector<PreparedWave> waves = drawn_boxes(100);
-  for (int n = 0; n < 2000; ++n) waves.emplace_back().box = bounds;  // so many that some batches have no edge
+  const std::vector<PreparedWave> waves = drawn_boxes(300);
   for (const TileShape shape : tile_shapes) {
-    const Counted counted = count_tiles(waves, shape);
-    const double pixels = counted.met * shape.columns * shape.rows;
+    const double met = count_tiles(waves, shape), pixels = met * shape.columns * shape.rows;
     EXPECT_EQ(pixels_of_tiles(waves, shape, bounds), pixels);
     const TilePlan plan{shape, TileProducts::single};
     const SummationWork work = work_of_tiles(waves, plan, bounds), of_pixel = tile_work(plan);
     EXPECT_DOUBLE_EQ(work.multiply_adds, pixels * of_pixel.multiply_adds);
-    // One wave with an edge makes the factors of its batch twice the work: the share of batches that have one.
-    const double share = 1 - std::pow(1 - counted.cut / counted.met, waves_of_batch);
-    EXPECT_GT(share, 0);
-    EXPECT_LT(share, 0.99);
-    EXPECT_DOUBLE_EQ(work.factors, pixels * of_pixel.factors * (1 + share));
-    EXPECT_DOUBLE_EQ(work.wave_tiles, counted.met);
+    EXPECT_DOUBLE_EQ(work.factors, pixels * of_pixel.factors);
   }
-  EXPECT_EQ(work_of_tiles({}, {tile_shapes[0], TileProducts::single}, bounds).factors, 0);
 }
 
-TEST(TileWork, IsEstimatedFromSomeOfTheWaves) {
-  const std::vector<PreparedWave> waves = drawn_boxes(20'000);
-  const TilePlan plan{tile_shapes[3], TileProducts::single};
-  const double all = work_of_tiles(waves, plan, bounds).multiply_adds;
-  const double estimate = work_of_tiles(waves, plan, bounds, 1000).multiply_adds;
-  EXPECT_NE(estimate, all);
-  // Pixels of tiles vary between waves by about twice their mean: 2/√1000 = 6 %, and three times that.
-  EXPECT_NEAR(estimate / all, 1, 0.2);
+TEST(TileWork, HasALookAtAllWavesOfTheGroup) {
+  const std::vector<PreparedWave> waves = drawn_boxes(300);
+  for (const TileShape shape : tile_shapes) {
+    const TilePlan plan{shape, TileProducts::single};
+    const TileShape group = group_of_tiles(shape);
+    ASSERT_EQ(group.columns % shape.columns, 0);
+    ASSERT_EQ(group.rows % shape.rows, 0);
+    const double tiles_of_group = double(group.columns / shape.columns) * (group.rows / shape.rows);
+    const double met = count_tiles(waves, shape), looks = count_tiles(waves, group) * tiles_of_group;
+    const double without = work_of_tiles({}, plan, bounds).wave_tiles;  // tiles begin, too, and pixels are cleared
+    EXPECT_GT(without, 0);
+    // A look at a wave takes 0.75 of the fixed work of a wave in a tile, as measured (tile_error.cpp).
+    EXPECT_NEAR(work_of_tiles(waves, plan, bounds).wave_tiles - without, met + 0.75 * (looks - met), 1e-6 * looks);
+  }
+}
+
+TEST(TileChoice, OfASmallPanelIsNotItsLargestTile) {
+  // Of a tile of 128 × 120 pixels, a panel of 64 × 60 needs a quarter.
+  const Grid grid{64, 60, 8_um};
+  const Sources sources = test::make_random_sources(500, grid, green, 0.1_m, 0.2_m, 0.4);
+  const TileChoice choice = choose_tile(prepare_waves(sources, grid), grid, green, 1e-2);
+  EXPECT_TRUE(choice.meets_tolerance);
+  EXPECT_LE(choice.plan.shape.columns * choice.plan.shape.rows, 64 * 60);
 }
 
 // Small tiles are summed in groups, and more waves than the cache holds (4096) in parts: every wave once in every tile.
@@ -88,7 +87,7 @@ TEST(SumTiles, OfManyWavesInSmallTilesIsTheSum) {
   const Sources sources = test::make_random_sources(9000, grid, green, 0.1_m, 0.2_m, 0.4);
   const FieldDouble exact = sum_exact(sources, grid);
   const std::vector<PreparedWave> waves = prepare_waves(sources, grid);
-  for (const TileShape shape : {tile_shapes.back(), tile_shapes[6], tile_shapes.front()}) {
+  for (const TileShape shape : {tile_shapes.back(), tile_shapes[6], tile_shapes[3], tile_shapes.front()}) {
     Field field(grid, green);
     sum_tiles(waves, {grid, green}, {shape, TileProducts::single}, part, field.samples);
     double error = 0, energy = 0;
@@ -102,8 +101,10 @@ TEST(SumTiles, OfManyWavesInSmallTilesIsTheSum) {
         error += std::norm(std::complex<double>(field.samples(j, i)) - exact.samples(j, i));
         energy += std::norm(exact.samples(j, i));
       }
-    // The split of these waves, 0.1 m away, errs by at most 4e-3 in the largest tiles; a wave that is left out by 1e-2.
-    EXPECT_LT(std::sqrt(error / energy), 4e-3) << shape.columns << ' ' << shape.rows;
+    // Errors of the split, and rounding. A wave that is lost or counted twice in one tile changes the field by
+    // √(tile / part / waves): 8e-4 for the smallest tile, 0.01 for the largest.
+    const bool is_large = shape == tile_shapes.front();
+    EXPECT_LT(std::sqrt(error / energy), is_large ? 1e-3 : 1e-4) << shape.columns << ' ' << shape.rows;
   }
 }
 

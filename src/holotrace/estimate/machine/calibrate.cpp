@@ -127,8 +127,8 @@ TimedWork time_tile(const TilePlan& plan, int count) {
   });
 }
 
-// Times spreading of waves to the grids of a tile; every wave lights the whole tile. The waves fill more than the caches of
-// a core, as those of a panel do.
+// Times spreading of waves to the grids of a tile; every wave lights the whole tile. The waves fill more than the
+// caches that a core has for itself.
 TimedWork time_spreading(int nodes, int width) {
   const PlanesPlan plan{.tile = 120, .width = width, .nodes = nodes};
   const Grid panel{plan.tile, plan.tile, pitch};

@@ -83,7 +83,7 @@ TemporaryFolder::TemporaryFolder(const std::string& name) {
   path_ = (parent / (name + "_XXXXXX")).string();
   require(!error && mkdtemp(path_.data()) != nullptr,
           "expected a folder for temporary files, but {} cannot be written; set TMPDIR to another one",
-          error ? "the one in TMPDIR" : parent.string());
+          error ? "the one that TMPDIR, TMP or TEMP names" : parent.string());
 }
 
 TemporaryFolder::~TemporaryFolder() {

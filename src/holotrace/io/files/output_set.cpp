@@ -74,8 +74,11 @@ std::vector<std::string> OutputSet::publish(const FileRecord& earlier, const std
   names.push_back(main);
   const fs::path folder = folder_ == "." ? fs::path() : fs::path(folder_);
   for (const auto& [name, size] : earlier)
-    if (std::error_code error; name != main && is_recorded(earlier, folder / name) && !fs::remove(folder / name, error))
-      fail_to_write((folder / name).string(), error.message());
+    if (name != main && is_recorded(earlier, folder / name)) {
+      std::error_code error;
+      fs::remove(folder / name, error);
+      if (error) fail_to_write((folder / name).string(), error.message());
+    }
   for (const std::string& name : names) {
     const fs::path target = folder / name;
     std::error_code error;

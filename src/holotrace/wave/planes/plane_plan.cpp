@@ -15,6 +15,12 @@
 namespace holotrace {
 namespace {
 
+// exp(i2π·cycles) within 1e-7: errors of plans are larger.
+std::complex<double> rough_cis(double cycles) {
+  const auto angle = float(2 * pi * (cycles - std::nearbyint(cycles)));
+  return {std::cos(angle), std::sin(angle)};
+}
+
 // The chirps of a slab's nodes, interpolated to a wave's curvature; square is u² + v², or v² in a strip.
 std::complex<double> interpolate(const Slab& slab, const PlanesModel& t, double kappa, double square) {
   const double tau = (kappa - slab.centre) / slab.half;
@@ -23,7 +29,7 @@ std::complex<double> interpolate(const Slab& slab, const PlanesModel& t, double 
     double weight = 1 / double(t.denominators[q]);
     for (size_t m = 0; m < t.nodes.size(); ++m)
       if (m != q) weight *= tau - t.nodes[m];
-    sum += weight * std::polar(1.0, pi * (slab.centre + slab.half * t.nodes[q]) * square);
+    sum += weight * rough_cis((slab.centre + slab.half * t.nodes[q]) * square / 2);
   }
   return sum;
 }
@@ -49,7 +55,7 @@ std::complex<double> in_tile(const PixelOfWave& pixel, const Slab& slab, const P
   // Cycles in addition to those of the plane wave.
   const double exact = path_between(x, y, x + u, y + v, depth) / t.wavelength -
                        (x * u + y * v) / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
-  std::complex<double> model = interpolate(slab, t, kappa, square) * (r / r0) * std::polar(1.0, -2 * pi * exact);
+  std::complex<double> model = interpolate(slab, t, kappa, square) * (r / r0) * rough_cis(-exact);
   if (t.plan.is_corrected) {
     const double f = x / (t.wavelength * r0), g = y / (t.wavelength * r0);
     const CorrectionTerms<double> terms{f, g, f * g, f * f - g * g};
@@ -67,7 +73,7 @@ std::complex<double> in_strip(const PixelOfWave& pixel, const Slab& slab, const 
   const double kappa = (1 - y * y / (r0 * r0)) / (t.wavelength * r0);
   const double exact = path_between(x + u, y, x + u, y + v, depth) / t.wavelength -
                        y * v / (t.wavelength * r0) * (1 - linear / (2 * r0 * r0));
-  return interpolate(slab, t, kappa, v * v) * (r / across) * std::polar(1.0, -2 * pi * exact);
+  return interpolate(slab, t, kappa, v * v) * (r / across) * rough_cis(-exact);
 }
 
 // Position of a line of the tile, counted from the middle of its strip.
@@ -161,7 +167,7 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
                                 m / 2 * nodes * (plan.is_corrected ? corrected_terms : 1);  // plane_tile.h
   const double strips = std::min(entries, counts.tiles * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
   const double lines = grids * lines_of_grids + strips * nodes * strip_width;  // lines to transform
-  constexpr double from_memory = 1.6;  // the rates hold for waves in the caches; each tile reads all of them
+  constexpr double from_memory = 1.6;  // measured: tiles of a panel take so much longer than the one that is timed
   SummationWork work{
       .plane_waves = from_memory * (counts.whole + entry_waves * entries),
       .spreads = from_memory * (counts.whole * spreads_per_wave(plan) + entries * spreads_per_entry(plan)),
@@ -202,6 +208,7 @@ class PlanSearch {
         goal_(goal.tolerance * std::sqrt(goal.coherence) / 1.25),
         most_seconds_(most_seconds),
         depths_(depths_of(waves)) {
+    while (least_width_ < GriddingKernel::greatest_width && both_axes(least_width_) > goal_) ++least_width_;
     // Many plans are compared; an eighth of the pixels gives their errors to a few percent.
     pixels_ = some_of(drawn, 8);
     some_pixels_ = some_of(pixels_, 8);
@@ -214,7 +221,7 @@ class PlanSearch {
     using Kinds = std::vector<std::pair<bool, bool>>;  // is_corrected, has_strips
     for (const auto& [is_corrected, has_strips] :
          cost_.has_strips ? Kinds{{false, true}, {true, true}, {true, false}} : Kinds{{false, false}, {true, false}}) {
-      PlanesPlan plan{tile, 2, 1, 1, is_corrected, has_strips};
+      PlanesPlan plan{tile, least_width_, 1, 1, is_corrected, has_strips};
       if (!is_worth(plan)) continue;
       // If the error stays above the goal with the most nodes, it does not come from their number: skip these plans.
       most_nodes_ = tile > 120 ? most_nodes_of_large_tiles : most_nodes;
@@ -233,7 +240,7 @@ class PlanSearch {
 
   void look_at_nodes(PlanesPlan plan) {
     for (plan.nodes = 1; plan.nodes <= most_nodes_; ++plan.nodes) {
-      plan.width = 2;
+      plan.width = least_width_;
       if (!is_worth(plan) || offer(plan) <= goal_ / 2) return;
     }
   }
@@ -266,7 +273,7 @@ class PlanSearch {
   const WaveDepths depths_;
   std::vector<DrawnPixel> pixels_, some_pixels_;
   PlanesCounts counts_;
-  int most_nodes_ = most_nodes;
+  int least_width_ = 2, most_nodes_ = most_nodes;
   PlanesChoice best_;
 };
 

@@ -32,8 +32,7 @@ double bytes_needed(const Propagator<Real>& p) {
   const double columns = is_on_lattice ? y.padded : y.frequencies();
   const double transfer = 2.0 * sizeof(Real) * x.slots() * columns;
   const double rows = !is_on_lattice ? y.kernel_samples : y.is_even ? y.padded / 2.0 + 1 : y.padded;
-  const double kernel =
-      p.method == PropagationMethod::rayleigh_sommerfeld ? sizeof(std::complex<double>) * x.slots() * rows : 0;
+  const double kernel = p.method == PropagationMethod::rayleigh_sommerfeld ? 2.0 * sizeof(Real) * x.slots() * rows : 0;
   const double use = is_on_lattice ? convolution_bytes(x, y, sizeof(Real)) : window_transform_bytes(x, y, sizeof(Real));
   return transfer + std::max(kernel, use);
 }

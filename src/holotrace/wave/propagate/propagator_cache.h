@@ -78,6 +78,8 @@ class KeptPropagators {
     if (bytes > limit) return;
     {
       const std::lock_guard lock(mutex_);
+      const auto has = [&](const Entry& entry) { return entry.question == question; };
+      if (std::ranges::any_of(entries_, has)) return;  // another thread has made it meanwhile
       const auto known = std::find(asked_.begin(), asked_.end(), question);
       entries_.push_front({question, kept, bytes, known != asked_.end()});
       if (known != asked_.end())
@@ -98,18 +100,19 @@ class KeptPropagators {
     return all;
   }
 
-  /// Drops the least recently used ones until the others take at most `limit` [bytes].
+  /// Keeps the most recently used ones that fit in `limit` [bytes] together, and drops the others.
   void drop_beyond(double limit) {
     std::list<Entry> dropped;
     const std::lock_guard lock(mutex_);
     double bytes = 0, of_once = 0;
     for (auto entry = entries_.begin(); entry != entries_.end();) {
       const auto next = std::next(entry);
-      bytes += entry->bytes;
-      if (!entry->is_asked_again) of_once += entry->bytes;
-      if (bytes > limit || (!entry->is_asked_again && of_once > part_of_once_ * limit)) {
-        bytes -= entry->bytes;
+      const double once = entry->is_asked_again ? 0 : entry->bytes;
+      if (bytes + entry->bytes > limit || (once > 0 && of_once + once > part_of_once_ * limit)) {
         dropped.splice(dropped.end(), entries_, entry);
+      } else {
+        bytes += entry->bytes;
+        of_once += once;
       }
       entry = next;
     }

@@ -1,6 +1,8 @@
 #include "holotrace/wave/tiles/tile_error.h"
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 #include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/tiles/packed_product.h"
@@ -83,74 +85,89 @@ bool can_run(const TilePlan& plan) {
 
 namespace {
 
-// Pairs of a wave and a tile that it meets, and those of them in which it has an edge.
+// Pairs of a wave and a tile that it meets, and pairs of a wave and a tile of a group that it meets.
 struct TilesMet {
-  double all = 0, cut = 0;
+  double all = 0, in_groups = 0;
 };
 
 TilesMet tiles_met(PreparedWaves waves, TileShape shape, const PixelBox& bounds, size_t most = SIZE_MAX) {
-  const size_t step = std::max<size_t>(1, waves.size() / most);
-  const auto met = [](int first, int end, int step) { return double((end - 1) / step - first / step + 1); };
-  const auto whole = [](int first, int end, int size, int step) {  // a tile that the panel's edge cuts is whole, too
-    return std::max(0.0, double((end == size ? end + step - 1 : end) / step - (first + step - 1) / step));
-  };
+  const size_t step = 1 + (std::max<size_t>(waves.size(), 1) - 1) / most;
+  const auto met = [&](int first, int end, int side) { return double((end - 1) / side - first / side + 1); };
+  const TileShape group = group_of_tiles(shape);
   TilesMet sum;
   size_t count = 0;
-  const int width = bounds.x1 - bounds.x0, height = bounds.y1 - bounds.y0;
   for (size_t i = 0; i < waves.size(); i += step, ++count) {
     const PixelBox& box = waves[i].box;
     const int x0 = box.x0 - bounds.x0, x1 = box.x1 - bounds.x0, y0 = box.y0 - bounds.y0, y1 = box.y1 - bounds.y0;
-    const double all = met(x0, x1, shape.columns) * met(y0, y1, shape.rows);
-    sum.all += all;
-    sum.cut += all - whole(x0, x1, width, shape.columns) * whole(y0, y1, height, shape.rows);
+    sum.all += met(x0, x1, shape.columns) * met(y0, y1, shape.rows);
+    sum.in_groups += met(x0, x1, group.columns) * met(y0, y1, group.rows);
   }
   const double scale = count > 0 ? double(waves.size()) / double(count) : 0;
-  return {sum.all * scale, sum.cut * scale};
+  const double tiles = double(group.columns / shape.columns) * (group.rows / shape.rows);
+  return {sum.all * scale, sum.in_groups * tiles * scale};
+}
+
+SummationWork work_of(const TilesMet& met, const TilePlan& plan, const PixelBox& bounds) {
+  const double pixels_of_tile = double(plan.shape.columns) * plan.shape.rows, pixels = double(bounds.pixels());
+  SummationWork work = met.all * pixels_of_tile * tile_work(plan);
+  // Besides, tiles look at all waves of their group, each begins, and each pixel is cleared and added to the field. Measured, in
+  // units of a wave in a tile.
+  constexpr double of_look = 0.75, of_tile = 60, of_pixel = 0.13;
+  work.wave_tiles +=
+      of_look * std::max(0.0, met.in_groups - met.all) + of_tile * pixels / pixels_of_tile + of_pixel * pixels;
+  return work;
 }
 
 }  // namespace
+
+TileShape group_of_tiles(TileShape tile) {
+  // Large groups list few waves twice, and small ones have few waves that a tile looks at in vain. These are about as fast as
+  // 128 × 120, and keep more threads busy.
+  constexpr int columns = 64, rows = 60;
+  return {std::max(columns / tile.columns, 1) * tile.columns, std::max(rows / tile.rows, 1) * tile.rows};
+}
 
 double pixels_of_tiles(PreparedWaves waves, TileShape shape, const PixelBox& bounds) {
   return tiles_met(waves, shape, bounds).all * shape.columns * shape.rows;
 }
 
-SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const PixelBox& bounds, size_t most) {
-  const TilesMet met = tiles_met(waves, plan.shape, bounds, most);
-  SummationWork work = met.all * plan.shape.columns * plan.shape.rows * tile_work(plan);
-  // One wave with an edge makes the factors of its whole batch take twice as long.
-  if (met.all > 0) work.factors *= 2 - std::pow(1 - met.cut / met.all, waves_of_batch);
-  return work;
+SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const PixelBox& bounds) {
+  return work_of(tiles_met(waves, plan.shape, bounds), plan, bounds);
 }
 
 TileChoice choose_tile(PreparedWaves waves, const std::vector<DrawnPixel>& pixels, const SumGoal& goal) {
   TileChoice best{};
+  double least = std::numeric_limits<double>::infinity();  // seconds of the best
   const SummationRates rates = summation_rates();
-  const auto seconds = [&](const TilePlan& plan) {
-    constexpr size_t enough = 4096;
-    return predict_seconds(work_of_tiles(waves, plan, goal.bounds, enough), rates, 1);
-  };
   const std::vector<DrawnPixel> some = some_of(pixels, 8);
   const auto energies_at = [&](const std::vector<DrawnPixel>& at, TileShape shape) {
     return measure_split(at, goal.grid, goal.bounds, goal.wavelength, shape);
   };
   for (const TileShape shape : tile_shapes) {
+    constexpr size_t enough = 1024;  // waves, for 3 % of the work
+    const TilesMet met = tiles_met(waves, shape, goal.bounds, enough);
+    struct Offer {
+      TilePlan plan;
+      double seconds;
+    };
+    std::vector<Offer> offers;
+    for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16, TileProducts::single}) {
+      const TilePlan plan{shape, products};
+      if (can_run(plan)) offers.push_back({plan, predict_seconds(work_of(met, plan, goal.bounds), rates, 1)});
+    }
+    if (best.meets_tolerance && std::ranges::none_of(offers, [&](const Offer& o) { return o.seconds < least; }))
+      continue;
     const double most = beyond_doubt * goal.tolerance * std::sqrt(goal.coherence);
     if (shape != tile_shapes.back() && energies_at(some, shape).relative_error() > most) continue;
     const SplitEnergies energies = energies_at(pixels, shape);
     const double split = energies.relative_error();
-    for (const TileProducts products : {TileProducts::bf16, TileProducts::split_bf16, TileProducts::single}) {
-      const TilePlan plan{shape, products};
-      if (!can_run(plan)) continue;
-      const double error = std::hypot(split, rounding_error(products)) / std::sqrt(goal.coherence);
+    for (const auto& [plan, seconds] : offers) {
+      const double error = std::hypot(split, rounding_error(plan.products)) / std::sqrt(goal.coherence);
       const bool meets = 1.25 * error <= goal.tolerance;
-      const bool is_better =
-          meets == best.meets_tolerance ? (meets ? seconds(plan) < seconds(best.plan) : true) : meets;
-      if (is_better) best = {plan, error, energies, meets};
+      if (meets == best.meets_tolerance ? meets && seconds >= least : !meets) continue;
+      best = {plan, error, energies, meets};
+      least = seconds;
     }
-    // Smaller tiles cost more: stop at the first shape that meets the tolerance in single precision.
-    if (best.meets_tolerance &&
-        1.25 * std::hypot(split, rounding_error(TileProducts::single)) <= goal.tolerance * std::sqrt(goal.coherence))
-      break;
   }
   return best;
 }

@@ -182,15 +182,14 @@ struct TileChoice {
   bool meets_tolerance = false;
 };
 
-/// Waves whose factors are stored at once, so that they stay in the caches.
-constexpr int waves_of_batch = 128;
+/// Tiles that are summed one after the other, so that they share a list of the waves that meet one of them [pixels].
+TileShape group_of_tiles(TileShape tile);
 
 /// Pixels of the tiles that the waves meet, added up over the waves: a tile that a wave lights partly counts as a whole.
 double pixels_of_tiles(PreparedWaves waves, TileShape shape, const PixelBox& bounds);
 
 /// Work of a sum of waves in tiles.
-/// @param most  waves that are looked at, for an estimate
-SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const PixelBox& bounds, size_t most = SIZE_MAX);
+SummationWork work_of_tiles(PreparedWaves waves, const TilePlan& plan, const PixelBox& bounds);
 
 /// The fastest plan on this machine (cost_model.h) whose expected error, with a margin of 25 %, is below the
 /// tolerance; the most accurate one if none is.

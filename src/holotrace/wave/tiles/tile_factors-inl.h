@@ -21,7 +21,7 @@ using V = hn::Vec<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
 
 constexpr int components = 3;  // a, b and a + b of a factor a + ib
-constexpr int batch = waves_of_batch;
+constexpr int batch = 128;     // waves whose factors are stored at once, so that they stay in the caches
 
 // Inputs of the factors of a batch of waves in one tile. The tile's centre lies at (x, y) from a wave's origin, at the
 // distance r₀.

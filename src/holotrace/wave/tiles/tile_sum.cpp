@@ -324,29 +324,25 @@ void list_waves(PreparedWaves waves, const PixelBox& box, std::vector<const Prep
 void sum_tiles(PreparedWaves waves, const LitGrid& panel, const TilePlan& plan, const PixelBox& bounds,
                Array2D<std::complex<float>>& samples, const Observer& observer) {
   const TileShape tile = plan.shape;
-  // Small tiles come in groups as large as the largest ones, so that few of them look at all waves.
-  const int columns = std::max(tile_shapes.front().columns / tile.columns, 1) * tile.columns;
-  const int rows = std::max(tile_shapes.front().rows / tile.rows, 1) * tile.rows;
-  const int across = (bounds.x1 - bounds.x0 + columns - 1) / columns, down = (bounds.y1 - bounds.y0 + rows - 1) / rows;
-  tbb::enumerable_thread_specific<TileWorkspace> workspaces;
-  parallel_for(
-      0, int64_t(across) * down,
-      [&](int64_t i) {
-        TileWorkspace& workspace = workspaces.local();
-        const int x0 = bounds.x0 + int(i % across) * columns, y0 = bounds.y0 + int(i / across) * rows;
-        const PixelBox group{x0, std::min(x0 + columns, bounds.x1), y0, std::min(y0 + rows, bounds.y1)};
-        list_waves(waves, group, workspace.waves);
-        // As many waves at a time as stay in the cache from tile to tile.
-        const size_t count = workspace.waves.size();
-        const size_t part = columns * rows > tile.columns * tile.rows ? 4096 : std::max<size_t>(count, 1);
-        for (size_t first = 0; first < count; first += part) {
-          const WaveList some = WaveList(workspace.waves).subspan(first, std::min(part, count - first));
+  constexpr size_t most_listed = 4096;  // waves that stay in the cache from tile to tile
+  for_each_tile<TileWorkspace>(
+      bounds, group_of_tiles(tile),
+      [&](const PixelBox& group, TileWorkspace& workspace) {
+        std::vector<const PreparedWave*>& listed = workspace.waves;
+        const auto add_listed = [&] {
           for (int y = group.y0; y < group.y1; y += tile.rows)
-            for (int x = group.x0; x < group.x1; x += tile.columns)
-              sum_tile(some, panel, plan,
-                       {x, std::min(x + tile.columns, group.x1), y, std::min(y + tile.rows, group.y1)}, workspace,
-                       samples);
+            for (int x = group.x0; x < group.x1; x += tile.columns) {
+              const PixelBox box{x, std::min(x + tile.columns, group.x1), y, std::min(y + tile.rows, group.y1)};
+              sum_tile(listed, panel, plan, box, workspace, samples);
+            }
+          listed.clear();
+        };
+        for (const PreparedWave& wave : waves) {
+          if (intersect(wave.box, group).is_empty()) continue;
+          listed.push_back(&wave);
+          if (listed.size() == most_listed) add_listed();
         }
+        add_listed();
       },
       observer);
 }

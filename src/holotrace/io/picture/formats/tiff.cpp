@@ -16,7 +16,8 @@ namespace {
 class LibtiffFunction {
  public:
   explicit LibtiffFunction(const char* name) : address_(dlsym(library(), name)) {
-    require(address_ != nullptr, "expected a function {} in {}, found none; install libtiff6 again", name, file_);
+    require(address_ != nullptr, "expected libtiff 4.5 or later, but {} has no function {}; update libtiff6", file_,
+            name);
   }
   template <class Function>
   operator Function*() const {
@@ -29,9 +30,8 @@ class LibtiffFunction {
   static void* library() {
     static void* const found = dlopen(file_, RTLD_NOW | RTLD_LOCAL);
     require(found != nullptr,
-            "expected libtiff 4.5 or later ({}) to read a TIFF, found none; install libtiff6, or save the "
-            "picture as a PNG",
-            file_);
+            "expected libtiff 4.5 or later to read a TIFF, got \"{}\"; install libtiff6, or save the picture as a PNG",
+            found ? "" : dlerror());
     return found;
   }
 

@@ -30,20 +30,15 @@ void ProcessorLight::leave(const PanelDetail& detail) {
 // Their part of the mean irradiance of all frames in a target plane, and on request the samples of each frame.
 Array2D<float> ProcessorLight::mean_light(const TargetWay& way, SampleGroup group, Samples* samples) const {
   Array2D<float> light(lit_.slm.grid.ny, lit_.slm.grid.nx);
-  if (has_means(group)) {
+  if (has_means(group)) {  // for a judgement, which keeps no samples
     SamplePower power;
     power.fill(light);
-    const auto add = [&](const Field& frame, SampleGroup some) {
-      std::vector<Field> shown = way.propagation.to_plane(frame, some);
-      const std::vector<size_t> places = samples_of(some, power.size());
-      for (size_t i = 0; i < shown.size(); ++i) add_power(shown[i], 1 / frames(), power[places[i]]);
-      return shown;
-    };
     for (const Field& frame : u_)
-      if (samples)
-        samples->push_back(add(frame, group));
-      else  // half of them at a time take half of the memory
-        for (const SampleGroup half : {SampleGroup::falling, SampleGroup::rising}) add(frame, half);
+      for (const SampleGroup half : {SampleGroup::falling, SampleGroup::rising}) {  // half of the memory of all
+        const std::vector<Field> shown = way.propagation.to_plane(frame, half);
+        const std::vector<size_t> places = samples_of(half, power.size());
+        for (size_t i = 0; i < shown.size(); ++i) add_power(shown[i], 1 / frames(), power[places[i]]);
+      }
     return pixel_means(power);
   }
   for (const Field& frame : u_) {
@@ -227,8 +222,8 @@ void ProcessorFrames::restore(const std::vector<Array2D<float>>& state) {
   each_array_of_state([&](Array2D<float>& values) { values = state[next++]; });
 }
 
-// Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames; all samples of one frame,
-// for a judgement.
+// Transfer functions and targets of the planes; drive, moments, slope, light and samples of the frames; half of the samples of one
+// frame, for a judgement.
 void require_memory_for_descent(size_t planes, const Slm& slm, const EncodeParams& params,
                                 const std::vector<Hologram>& frames, int processes) {
   const Grid& grid = slm.grid;
@@ -237,7 +232,7 @@ void require_memory_for_descent(size_t planes, const Slm& slm, const EncodeParam
   const size_t at_once = params.planes_per_update == 0 ? planes : std::min(planes, size_t(params.planes_per_update));
   const double of_plane = 4 + 16 * fine, of_frame = 20 * double(arrays) + 8 * fine + 8 * samples * double(at_once);
   require_memory(
-      processes * double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames.size()) + 32),
+      processes * double(grid.pixels()) * (of_plane * double(planes) + of_frame * double(frames.size()) + 16),
       fmt::format("gradient descent for {} frame(s) of {} × {} pixels and {} target plane(s){}", frames.size(), grid.nx,
                   grid.ny, planes, processes > 1 ? fmt::format(" in each of {} processes", processes) : ""));
 }
