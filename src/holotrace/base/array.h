@@ -4,23 +4,11 @@
 #include <cstddef>
 #include <vector>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include "holotrace/base/sanitized.h"
-#else
-#include <tbb/cache_aligned_allocator.h>
-#endif
+#include "holotrace/base/aligned_memory.h"
 
 namespace holotrace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-template <class T>
-using AlignedAllocator = SanitizedAllocator<T>;
-#else
-template <class T>
-using AlignedAllocator = tbb::cache_aligned_allocator<T>;
-#endif
-
-/// A contiguous buffer aligned for vectors.
+/// A contiguous buffer aligned for vectors, on huge pages if it is large.
 template <class T>
 using AlignedVector = std::vector<T, AlignedAllocator<T>>;
 

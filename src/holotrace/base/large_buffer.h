@@ -1,37 +1,30 @@
 #pragma once
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/aligned_memory.h"
+
 namespace holotrace {
 
-/// Uninitialised memory for `count` values, for work that passes over much memory. It uses large pages where the
-/// system has them, so that the first access and accesses with large strides cost little.
+/// Uninitialised memory for `count` values (allocate_aligned), for work that passes over much memory.
 template <class T>
 class LargeBuffer {
  public:
-  explicit LargeBuffer(size_t count) {
-    constexpr size_t page = size_t(2) << 20;
-    const size_t bytes = (count * sizeof(T) + page - 1) / page * page;
-    data_.reset(static_cast<T*>(std::aligned_alloc(page, bytes > 0 ? bytes : page)));
-    if (!data_) throw std::bad_alloc();
-    madvise(data_.get(), bytes, MADV_HUGEPAGE);  // a hint: the buffer works without it, too
-  }
+  explicit LargeBuffer(size_t count)
+      : data_(static_cast<T*>(allocate_aligned(count * sizeof(T))), Free{count * sizeof(T)}) {}
 
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
 
  private:
   struct Free {
-    void operator()(T* data) const { std::free(data); }
+    size_t bytes = 0;
+    void operator()(T* data) const { free_aligned(data, bytes); }
   };
   std::unique_ptr<T[], Free> data_;
 };

@@ -2,39 +2,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <mutex>
-#include <new>
 #include <thread>
 #include <vector>
 
 #include "holotrace/base/machine.h"
 
 namespace holotrace {
-
-/// Cache-aligned memory from the system's allocator, for builds under the sanitizers. The sanitizers do not see the
-/// blocks of oneTBB's own allocator: writes past the end of a buffer, or data races in it, would go unnoticed.
-template <class T>
-struct SanitizedAllocator {
-  using value_type = T;
-
-  SanitizedAllocator() = default;
-  template <class U>
-  SanitizedAllocator(const SanitizedAllocator<U>&) {}
-
-  T* allocate(size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), alignment)); }
-  void deallocate(T* data, size_t) { ::operator delete(data, alignment); }
-
-  template <class U>
-  bool operator==(const SanitizedAllocator<U>&) const {
-    return true;
-  }
-
- private:
-  static constexpr std::align_val_t alignment{128};  // the alignment of oneTBB's allocator
-};
 
 /// Calls work(first, last) for ranges of `grain` that make up [begin, end), on threads of their own, for builds under
 /// the thread sanitizer. The sanitizer cannot follow how oneTBB, which is built without it, passes work to threads,

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "holotrace/base/array.h"
+
+namespace holotrace {
+namespace {
+
+TEST(AlignedMemory, BeginsAtWholeLinesAndHoldsItsBytes) {
+  for (const size_t bytes :
+       {size_t(0), size_t(1), size_t(127), size_t(129), (size_t(2) << 20) - 1, (size_t(2) << 20) + 1}) {
+    auto* const memory = static_cast<unsigned char*>(allocate_aligned(bytes));
+    EXPECT_EQ(reinterpret_cast<uintptr_t>(memory) % 128, 0u) << bytes;
+    for (size_t i = 0; i < bytes; ++i) memory[i] = static_cast<unsigned char>(i);  // the sanitizers watch the ends
+    if (bytes > 0) {
+      EXPECT_EQ(memory[bytes - 1], static_cast<unsigned char>(bytes - 1));
+    }
+    free_aligned(memory, bytes);
+  }
+}
+
+TEST(AlignedMemory, ThatNoMachineHasIsRefused) {
+  EXPECT_THROW(allocate_aligned(size_t(-1)), std::bad_alloc);
+  EXPECT_THROW(AlignedAllocator<double>().allocate(size_t(-1) / 12), std::bad_alloc);
+}
+
+// Whether the kernel was asked for huge pages of a place: "hg" among its flags.
+bool asks_for_huge_pages(const void* place) {
+  std::ifstream maps("/proc/self/smaps");
+  const auto at = reinterpret_cast<uintptr_t>(place);
+  bool is_here = false;
+  for (std::string line; std::getline(maps, line);) {
+    uintptr_t first = 0, end = 0;
+    if (std::sscanf(line.c_str(), "%lx-%lx ", &first, &end) == 2) is_here = first <= at && at < end;
+    if (is_here && line.starts_with("VmFlags:")) return line.find(" hg") != std::string::npos;
+  }
+  return false;
+}
+
+TEST(AlignedMemory, OfLargeArraysIsOnHugePages) {
+  if (!std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled")) GTEST_SKIP() << "this system has no huge pages";
+  const AlignedVector<float> large(size_t(16) << 20), small(1000);
+  EXPECT_TRUE(asks_for_huge_pages(&large[large.size() / 2]));
+  EXPECT_FALSE(asks_for_huge_pages(small.data()));
+}
+
+TEST(AlignedMemory, OfBlocksThatAreUsedAtOnceIsNeverShared) {
+  // Blocks that are kept come back; two that are held at once must differ.
+  constexpr size_t bytes = size_t(6) << 20;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<unsigned char*> blocks;
+    for (unsigned char n = 0; n < 16; ++n) {  // more than are kept
+      blocks.push_back(static_cast<unsigned char*>(allocate_aligned(bytes - n)));
+      blocks.back()[0] = blocks.back()[bytes - n - 1] = n;
+    }
+    for (unsigned char n = 0; n < 16; ++n) {
+      EXPECT_EQ(blocks[n][0], n);
+      EXPECT_EQ(blocks[n][bytes - n - 1], n);
+      free_aligned(blocks[n], bytes - n);
+    }
+  }
+}
+
+TEST(AlignedMemory, ThatIsKeptIsLittle) {
+  // The memory of this process after many large arrays were freed, from /proc/self/statm in pages.
+  const auto resident = [] {
+    size_t all = 0, pages = 0;
+    std::ifstream("/proc/self/statm") >> all >> pages;
+    return double(pages) * 4096;
+  };
+  const double before = resident();
+  for (size_t megabytes = 10; megabytes < 60; megabytes += 2) AlignedVector<char> touched(megabytes << 20, 1);
+  EXPECT_LT(resident() - before, 80e6);  // 64 MiB, and what the sanitizers or the heap keep
+}
+
+}  // namespace
+}  // namespace holotrace
