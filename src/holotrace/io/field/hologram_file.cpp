@@ -12,6 +12,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/files/file.h"
@@ -227,11 +228,12 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
 
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms) {
   const FileRecord before = set.record();
-  std::function<FileRecord()> files;
-  for (size_t i = holograms.size(); i-- > 0;) {
-    if (i == 0) files = [&] { return set.record_since(before); };
-    save_hologram(set.path(numbered_path(name, i)), holograms[i], {i + 1, holograms.size()}, files);
-  }
+  const auto save = [&](int64_t i, const std::function<FileRecord()>& files) {
+    const auto n = size_t(i);
+    save_hologram(set.path(numbered_path(name, n)), holograms[n], {n + 1, holograms.size()}, files);
+  };
+  parallel_for(1, int64_t(holograms.size()), [&](int64_t i) { save(i, nullptr); });
+  if (!holograms.empty()) save(0, [&] { return set.record_since(before); });
 }
 
 std::vector<uint8_t> greys_of(const Hologram& hologram) {

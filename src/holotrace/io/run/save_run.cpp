@@ -67,9 +67,13 @@ void save_views(const OutputSet& set, const std::string& name, const SeenViews& 
   save_sweep(set, name, seen, observer);
   if (is_animation) return;
   if (!seen.stereo.images.empty()) save_stereo(set, name, seen.stereo.images, seen.stereo.white, seen.camera.bits);
-  for (size_t i = seen.views.images.size(); i-- > 0;)
-    save_image(set.path(numbered_path(name, i)), seen.views.images[i], seen.views.white, seen.camera.bits,
-               i == 0 ? set.record_since(before) : FileRecord());
+  const std::vector<Image>& images = seen.views.images;
+  const auto save = [&](int64_t i, const FileRecord& others) {
+    const std::string path = set.path(numbered_path(name, size_t(i)));
+    save_image(path, images[size_t(i)], seen.views.white, seen.camera.bits, others);
+  };
+  parallel_for(1, int64_t(images.size()), [&](int64_t i) { save(i, {}); });
+  if (!images.empty()) save(0, set.record_since(before));
 }
 
 void save_stereo(const OutputSet& set, const std::string& name, const std::vector<Image>& pair, double white, int bits,
@@ -89,7 +93,8 @@ namespace {
 
 template <class Item, class Save>
 void save_numbered(const OutputSet& set, const std::string& name, const std::vector<Item>& items, const Save& save) {
-  for (size_t i = 0; i < items.size(); ++i) save(set.path(numbered_path(name, i)), items[i]);
+  parallel_for(0, int64_t(items.size()),
+               [&](int64_t i) { save(set.path(numbered_path(name, size_t(i))), items[size_t(i)]); });
 }
 
 void save_results(const OutputSet& set, const RunResults& results, const Job& job, const StageObserver& watch) {
