@@ -67,15 +67,12 @@ KeptBlocks& kept() {
 
 void* allocate_aligned(size_t bytes) {
   if (bytes > size_t(-1) / 2) throw std::bad_alloc();
-  if (!is_large(bytes)) {
-    if (void* const memory = std::aligned_alloc(line, (bytes / line + 1) * line)) return memory;
-    throw std::bad_alloc();
-  }
-  const size_t whole = whole_pages(bytes);
-  if (void* const memory = kept().take(whole)) return memory;
-  void* const memory = std::aligned_alloc(huge_page, whole);
-  if (!memory) throw std::bad_alloc();
-  madvise(memory, whole, MADV_HUGEPAGE);  // a hint: the memory is as good without it
+  const size_t whole = is_large(bytes) ? whole_pages(bytes) : bytes;
+  if (is_large(bytes))
+    if (void* const memory = kept().take(whole)) return memory;
+  void* memory = nullptr;
+  if (posix_memalign(&memory, is_large(bytes) ? huge_page : line, whole) != 0) throw std::bad_alloc();
+  if (is_large(bytes)) madvise(memory, whole, MADV_HUGEPAGE);  // a hint: the memory is as good without it
   return memory;
 }
 
