@@ -24,7 +24,8 @@ TYPES = {"float": np.complex64, "double": np.complex128}
 
 def holotrace_times():
     """Microseconds of each benchmark, by its kind, type and length."""
-    done = subprocess.run([BENCH, "--benchmark_filter=^(lines|columns)<", "--benchmark_format=json", "--benchmark_min_time=0.02"],
+    done = subprocess.run([BENCH, "--benchmark_filter=^(lines|columns)<", "--benchmark_format=json", "--benchmark_min_time=0.02",
+                           "--benchmark_min_warmup_time=0.02"],
                           capture_output=True, check=True)
     times = {}
     for run in json.loads(done.stdout)["benchmarks"]:
