@@ -85,30 +85,14 @@ void run_in_forms(const StageRun<Real>& r) {
     run<width, radix, FftForm::apart, FftForm::apart>(r);
 }
 
+template <size_t width, class Real, int... radices>
+void run_one_of(const StageRun<Real>& r, std::integer_sequence<int, radices...>) {
+  ((r.stage.radix == radices ? run_in_forms<width, radices>(r) : void()), ...);
+}
+
 template <size_t width, class Real>
 void run_stage(const StageRun<Real>& r) {
-  switch (r.stage.radix) {
-    case 1:
-      return run_in_forms<width, 1>(r);
-    case 2:
-      return run_in_forms<width, 2>(r);
-    case 3:
-      return run_in_forms<width, 3>(r);
-    case 4:
-      return run_in_forms<width, 4>(r);
-    case 5:
-      return run_in_forms<width, 5>(r);
-    case 6:
-      return run_in_forms<width, 6>(r);
-    case 7:
-      return run_in_forms<width, 7>(r);
-    case 8:
-      return run_in_forms<width, 8>(r);
-    case 11:
-      return run_in_forms<width, 11>(r);
-    default:
-      return run_in_forms<width, 13>(r);
-  }
+  run_one_of<width>(r, std::integer_sequence<int, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13>());
 }
 
 // Lane j of x[i] and lane i of x[j] change places, for as many vectors as lanes: first the lanes in blocks of 128 bits, then

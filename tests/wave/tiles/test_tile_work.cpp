@@ -55,7 +55,7 @@ TEST(TileWork, IsThatOfTheTilesThatTheWavesMeet) {
   }
 }
 
-TEST(TileWork, HasALookAtAllWavesOfTheGroup) {
+TEST(TileWork, HasAPartForTheWavesOfTheWholeGroup) {
   const std::vector<PreparedWave> waves = drawn_boxes(300);
   for (const TileShape shape : tile_shapes) {
     const TilePlan plan{shape, TileProducts::single};
@@ -66,7 +66,7 @@ TEST(TileWork, HasALookAtAllWavesOfTheGroup) {
     const double met = count_tiles(waves, shape), looks = count_tiles(waves, group) * tiles_of_group;
     const double without = work_of_tiles({}, plan, bounds).wave_tiles;  // tiles begin, too, and pixels are cleared
     EXPECT_GT(without, 0);
-    // A look at a wave takes 0.75 of the fixed work of a wave in a tile, as measured (tile_error.cpp).
+    // To read a wave that misses the tile takes 0.75 of the fixed work of one that meets it, as measured (tile_error.cpp).
     EXPECT_NEAR(work_of_tiles(waves, plan, bounds).wave_tiles - without, met + 0.75 * (looks - met), 1e-6 * looks);
   }
 }

@@ -85,7 +85,7 @@ bool can_run(const TilePlan& plan) {
 
 namespace {
 
-// Pairs of a wave and a tile that it meets, and pairs of a wave and a tile of a group that it meets.
+// Pairs of a wave and a tile that it meets, and pairs of a wave and any tile of a group that it meets.
 struct TilesMet {
   double all = 0, in_groups = 0;
 };
@@ -110,19 +110,19 @@ TilesMet tiles_met(PreparedWaves waves, TileShape shape, const PixelBox& bounds,
 SummationWork work_of(const TilesMet& met, const TilePlan& plan, const PixelBox& bounds) {
   const double pixels_of_tile = double(plan.shape.columns) * plan.shape.rows, pixels = double(bounds.pixels());
   SummationWork work = met.all * pixels_of_tile * tile_work(plan);
-  // Besides, tiles look at all waves of their group, each begins, and each pixel is cleared and added to the field. Measured, in
-  // units of a wave in a tile.
-  constexpr double of_look = 0.75, of_tile = 60, of_pixel = 0.13;
+  // A tile also reads the waves that meet only other tiles of its group, it is begun, and its pixels are cleared and added to the
+  // field. Measured, in units of a wave in a tile.
+  constexpr double of_other_wave = 0.75, of_tile = 60, of_pixel = 0.13;
   work.wave_tiles +=
-      of_look * std::max(0.0, met.in_groups - met.all) + of_tile * pixels / pixels_of_tile + of_pixel * pixels;
+      of_other_wave * std::max(0.0, met.in_groups - met.all) + of_tile * pixels / pixels_of_tile + of_pixel * pixels;
   return work;
 }
 
 }  // namespace
 
 TileShape group_of_tiles(TileShape tile) {
-  // Large groups list few waves twice, and small ones have few waves that a tile looks at in vain. These are about as fast as
-  // 128 × 120, and keep more threads busy.
+  // In small groups a tile reads few waves in vain, but all waves are compared with more groups. These are about as fast as
+  // groups of 128 × 120, and keep more threads busy.
   constexpr int columns = 64, rows = 60;
   return {std::max(columns / tile.columns, 1) * tile.columns, std::max(rows / tile.rows, 1) * tile.rows};
 }
