@@ -2,13 +2,13 @@
 """Two scenes by Mitsuba 3 and by `holotrace render`: processor time, squared error, and their product.
 
 Usage: mitsuba_figures.py [ROUNDS]     in a Python with Mitsuba (pip install mitsuba; its variant llvm_ad_rgb needs LLVM, such as
-                                       libllvm15 of Debian: DRJIT_LIBLLVM_PATH names its libLLVM*.so)
+                                       libllvm19 of Debian (15 stops on some processors): DRJIT_LIBLLVM_PATH names its libLLVM*.so)
 
 The scenes are the Cornell box of Mitsuba, and a textured mesh of 32,768 triangles on a floor under an even sky and a rectangle.
 
 Both take 64 paths for each of 256 x 256 pixels, box-filtered, of at most 8 surfaces, on one thread, in alternating runs with
 other seeds. Mitsuba's sampler is multijitter. Its time is that of mi.render, after its code was compiled by a first run; that of
-holotrace is of the whole program. The squared error of a picture is half the mean squared difference of two, so no reference
+holotrace is of the whole program, less that of a picture of one path, which loads the scene and builds its trees as well. The squared error of a picture is half the mean squared difference of two, so no reference
 is needed. The mean of all pictures must agree within their noise: the line "means" gives the difference in standard errors.
 """
 
@@ -64,7 +64,7 @@ def write_obj(shape, file):
 def head_of(scene):
     """The first lines of the scene file of holotrace."""
     half_angle = scene["sensor"]["fov"] / 2
-    return [f'wavelength = "532 nm"\n[slm]\npreset = "pluto"\n[render]\nrows = {SIDE}\nfield_of_view = "{half_angle} deg"',
+    return [f'wavelength = "532 nm"\n[slm]\npreset = "pluto"\n[render]\nrows = {SIDE}\ncolumns = {SIDE}\nfield_of_view = "{half_angle} deg"',
             f"paths = {PATHS}\nmax_depth = {SURFACES}"]
 
 
@@ -146,15 +146,24 @@ def textured_mesh(folder):
 
 
 def render_theirs(scene, seed):
+    dr.set_thread_count(1)
     start = time.process_time()
     picture = np.array(mi.render(scene, spp=PATHS, seed=seed))
-    return time.process_time() - start, picture
+    seconds = time.process_time() - start
+    dr.set_thread_count(2)  # Mitsuba's EXR files wait for a second thread
+    return seconds, picture
 
 
 def render_ours(scene_file, seed):
+    """Seconds of a picture, less those of one of a single path, and the picture."""
+    seconds, picture = run_ours(scene_file, ["--seed", str(seed)])
+    return seconds - run_ours(scene_file, ["--rows", "1", "--columns", "1", "--paths", "1"])[0], picture
+
+
+def run_ours(scene_file, flags):
     used = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])  # noqa: E731
     start, output = used(), scene_file.with_name("ours.exr")
-    subprocess.run([PROGRAM, "render", scene_file, "-o", output, "--seed", str(seed), "--threads", "1"], check=True)
+    subprocess.run([PROGRAM, "render", scene_file, "-o", output, "--threads", "1", *flags], check=True)
     seconds = used() - start
     return seconds, np.array(mi.Bitmap(str(output)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
 
@@ -188,7 +197,6 @@ def compare(name, description, scene_file, rounds):
 def main():
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     mi.set_variant("llvm_ad_rgb")
-    dr.set_thread_count(1)
     for make in (cornell_box, textured_mesh):
         with tempfile.TemporaryDirectory() as folder:
             compare(make.__name__.replace("_", " "), *make(Path(folder)), rounds)

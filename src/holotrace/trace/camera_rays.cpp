@@ -1,6 +1,5 @@
 #include "holotrace/trace/camera_rays.h"
 
-#include <algorithm>
 #include <bit>
 
 #include "holotrace/data/acceptance.h"
@@ -24,29 +23,15 @@ Vec3 background_along(const PathScene& scene, const Ray& ray) {
   return scene.emitters.background(ray.direction) * seen_path_groups;
 }
 
-Vec3 sum_of(std::span<const Vec3> sums) {
-  Vec3 sum;
-  for (const Vec3& of_group : sums) sum += of_group;
-  return sum;
-}
-
 }  // namespace
 
-Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
-                    std::span<Vec3> sums, PathCounts& counts) {
-  std::fill(sums.begin(), sums.end(), Vec3{});
-  if (add_radiance(scene, ray, numbers, sums, counts)) return sum_of(sums);
-  return has_background ? background_along(scene, ray) : Vec3{};
-}
-
-Vec3 radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
-                    LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts) {
-  std::fill(sums.begin(), sums.end(), Vec3{});
-  uint32_t misses = add_radiance(scene, rays, dimension, numbers, sums, counts);
-  Vec3 sum = sum_of(sums);
-  for (; has_background && misses; misses &= misses - 1)
-    sum += background_along(scene, rays[size_t(std::countr_zero(misses))].ray);
-  return sum;
+void radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
+                    LowDiscrepancy& numbers, std::span<Vec3> lights, PathCounts& counts) {
+  uint32_t misses = find_radiance(scene, rays, dimension, numbers, lights, counts);
+  for (; has_background && misses; misses &= misses - 1) {
+    const auto i = size_t(std::countr_zero(misses));
+    lights[i] = background_along(scene, rays[i].ray);
+  }
 }
 
 double point_light(const ScenePoint& point, Vec3 place, const Grid& panel, double wavelength) {

@@ -15,15 +15,12 @@ namespace holotrace {
 /// The scene prepared for the paths of a picture.
 PathScene make_path_scene(const Scene& scene, const RenderParams& params);
 
-/// Radiance that one light path finds along a ray, in red, green and blue; the sum of all path groups [W/m²/sr].
-/// @param sums  space for PathScene::sums() values, overwritten
-Vec3 radiance_along(const PathScene& scene, const Ray& ray, bool has_background, LowDiscrepancy& numbers,
-                    std::span<Vec3> sums, PathCounts& counts);
-
-/// The sum of radiance_along over up to most_together rays; much faster than one by one where surfaces are diffuse.
+/// Radiance that one light path finds along each of up to most_together rays, in red, green and blue; the sum of all path
+/// groups. Rays without a surface find the background, if it is asked for.
 /// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
-Vec3 radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
-                    LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts);
+/// @param lights     as many as rays, overwritten [W/m²/sr]
+void radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
+                    LowDiscrepancy& numbers, std::span<Vec3> lights, PathCounts& counts);
 
 /// White light that a luminous point sends to a place, if nothing hides it: its radiance times the area of its picture,
 /// measured in tangents. With the wave's irradiance E = a²·(d₀/r)² at the place, and θ its angle to the axis,

@@ -1,6 +1,7 @@
 #include "holotrace/trace/focal_stack.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -174,28 +175,48 @@ class StackTracing {
   /// Traces the paths of some pixels of a plane, [first, last) row by row, and adds them to `found`.
   void trace(int plane, const Grid& grid, int64_t first, int64_t last, std::vector<TracedRay>& found,
              PathCounts& counts) const {
-    std::vector<Vec3> sums(size_t(scene_.sums()));
     for (int64_t pixel = first; pixel < last; ++pixel) {
       const int row = int(pixel / grid.nx), column = int(pixel % grid.nx);
       const int candidates = rays_.candidates(plane, row, column);
       LowDiscrepancy numbers(uint64_t(params_.seed), uint32_t(plane), uint64_t(pixel));
-      for (int path = 0; path < candidates; ++path) {
-        numbers.start(uint32_t(path));
-        const Vec2 place = numbers.two(), lens_place = numbers.two();
-        const auto ray = rays_.ray(plane, {column + place.x, row + place.y}, lens_place);
-        if (!ray || numbers.one() >= rays_.keep_probability(plane, *ray, candidates)) continue;
-        const Vec3 direction = normalize({ray->slope.x, ray->slope.y, -1});
-        const Ray seen = scene_.accelerator.from_viewer({{ray->from.x, ray->from.y, lens_z_}, direction});
-        const Vec3 light = radiance_along(scene_, seen, params_.has_background, numbers, sums, counts);
-        found.push_back({{float(ray->from.x), float(ray->from.y)},
-                         {float(ray->slope.x), float(ray->slope.y)},
-                         float(rays_.weight(*ray)),
-                         {float(light.x), float(light.y), float(light.z)}});
-      }
+      for (int path = 0; path < candidates; path += most_together)
+        trace({plane, row, column, candidates}, path, numbers, found, counts);
     }
   }
 
  private:
+  struct Pixel {
+    int plane, row, column, candidates;  // number of paths that may be followed
+  };
+
+  /// The same for the paths of a pixel in one block of the numbers, from `first` on.
+  void trace(const Pixel& pixel, int first, LowDiscrepancy& numbers, std::vector<TracedRay>& found,
+             PathCounts& counts) const {
+    std::array<NumberedRay, most_together> rays;
+    std::array<Vec3, most_together> lights;
+    size_t count = 0;
+    for (int path = 0; path < std::min(most_together, pixel.candidates - first); ++path) {
+      numbers.start(uint32_t(first + path));
+      const Vec2 place = numbers.two(), lens_place = numbers.two();
+      const auto ray = rays_.ray(pixel.plane, {pixel.column + place.x, pixel.row + place.y}, lens_place);
+      if (numbers.one() >= (ray ? rays_.keep_probability(pixel.plane, *ray, pixel.candidates) : 0)) continue;
+      const Vec3 direction = normalize({ray->slope.x, ray->slope.y, -1});
+      rays[count++] = {scene_.accelerator.from_viewer({{ray->from.x, ray->from.y, lens_z_}, direction}),
+                       uint32_t(path)};
+      found.push_back({{float(ray->from.x), float(ray->from.y)},
+                       {float(ray->slope.x), float(ray->slope.y)},
+                       float(rays_.weight(*ray)),
+                       {}});
+    }
+    radiance_along(scene_, {rays.data(), count}, params_.has_background, numbers.dimension(), numbers,
+                   {lights.data(), count}, counts);
+    for (size_t i = 0; i < count; ++i) {
+      const Vec3 light = lights[i];
+      TracedRay& traced = found[found.size() - count + i];
+      traced.radiance[0] = float(light.x), traced.radiance[1] = float(light.y), traced.radiance[2] = float(light.z);
+    }
+  }
+
   const PathScene& scene_;
   const PanelRays& rays_;
   double lens_z_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -70,11 +71,12 @@ struct Pixel {
 };
 
 Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, const RenderParams& params,
-                  std::span<Vec3> sums, PathCounts& counts) {
+                  PathCounts& counts) {
   const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   Vec3 sum;
   std::array<NumberedRay, most_together> rays;
+  std::array<Vec3, most_together> lights;
   for (int first = 0; first < params.paths; first += most_together) {
     size_t count = 0;
     for (int path = 0; path < std::min(most_together, params.paths - first); ++path) {
@@ -83,8 +85,9 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
       const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
       if (ray) rays[count++] = {scene.accelerator.from_viewer(*ray), uint32_t(path)};
     }
-    sum +=
-        radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers, sums, counts);
+    radiance_along(scene, {rays.data(), count}, params.has_background, numbers.dimension(), numbers,
+                   {lights.data(), count}, counts);
+    sum = std::accumulate(lights.begin(), lights.begin() + int64_t(count), sum);
   }
   return sum / params.paths;
 }
@@ -149,13 +152,11 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
   constexpr int often = 16;  // pixels between reports: a row of many paths takes long, and a caller may want to stop
   std::atomic<int64_t> done{0};
   const auto render_row = [&](int64_t row) {
-    std::vector<Vec3> sums(size_t(path_scene.sums()));
     for (int first = 0; first < columns; first += often) {
       const int end = std::min(columns, first + often);
       for (int column = first; column < end; ++column)
         if (!mask || (*mask)[size_t(row) * size_t(columns) + size_t(column)])
-          add(image, int(row), column,
-              render_pixel(path_scene, eye, {int(row), column}, params, sums, counts[size_t(row)]));
+          add(image, int(row), column, render_pixel(path_scene, eye, {int(row), column}, params, counts[size_t(row)]));
       const int64_t pixels = done += end - first;
       observer.progress(double(pixels) / (double(rows) * columns));
     }

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <complex>
 #include <functional>
+#include <numeric>
 
 #include "holotrace/base/random.h"
 #include "holotrace/trace/materials/bsdf.h"
@@ -378,9 +380,10 @@ TEST(Caustics, AreThoseOfSinglePathsInGroupsOfPaths) {
   for (uint32_t i = 0; i < rays.size(); ++i) rays[i] = {{{1_mm, 2_mm, plate_z - 1e-4}, {0, 0, 1}}, i};
   LowDiscrepancy numbers(1, 0, 0);
   numbers.start(0);
-  Vec3 sum;
+  std::array<Vec3, most_together> lights;
   PathCounts counts;
-  add_radiance(plate.scene(), rays, 0, numbers, {&sum, 1}, counts);
+  find_radiance(plate.scene(), rays, 0, numbers, lights, counts);
+  Vec3 sum = std::accumulate(lights.begin(), lights.end(), Vec3{});
   EXPECT_NEAR(sum.y / most_together * pi / reflectance_of_plate / plate.at(1_mm, 2_mm), 1, 1e-9);
 
   // A card beside the plate sees the light of the mirror there. A clamp lets paths go one by one.
@@ -685,9 +688,9 @@ TEST(CausticsOfRectangles, AreSeenByCameras) {
   for (int i = 0; i < 2000; ++i) {
     LowDiscrepancy numbers(1, 0, uint64_t(i));
     numbers.start(0);
-    Vec3 sum;
-    add_radiance(path_scene, rays, 0, numbers, {&sum, 1}, counts);
-    by_camera.add(sum.y / most_together);
+    std::array<Vec3, most_together> lights;
+    find_radiance(path_scene, rays, 0, numbers, lights, counts);
+    by_camera.add(std::accumulate(lights.begin(), lights.end(), Vec3{}).y / most_together);
   }
   const Statistics alone = radiance_on(scene, to_plate(1.5_mm, 0), "EDSSL", by_chance, 10000);
   const double error = std::hypot(by_camera.standard_error(), alone.standard_error());

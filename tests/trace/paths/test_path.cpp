@@ -142,12 +142,15 @@ TEST(Path, MoreRaysThanAreFollowedTogetherAreAnError) {
   const std::vector<NumberedRay> rays(most_together + 1, {{{}, {0, 0, -1}}, 0});
   LowDiscrepancy numbers(1, 0, 0);
   numbers.start(0);
-  Vec3 sum;
+  std::vector<Vec3> lights(rays.size());
   PathCounts counts;
-  EXPECT_EQ(error_of([&] {
-              add_radiance(path_scene, rays, 0, numbers, {&sum, 1}, counts);
-            }),
-            "expected at most 16 rays that are followed together, got 17");
+  const auto find = [&](std::span<const NumberedRay> some) {
+    return error_of([&] { find_radiance(path_scene, some, 0, numbers, lights, counts); });
+  };
+  EXPECT_EQ(find(rays),
+            "expected at most 16 rays that are followed together, and as many places for their light, got 17 and 17");
+  EXPECT_EQ(find(std::span(rays).first(3)),
+            "expected at most 16 rays that are followed together, and as many places for their light, got 3 and 17");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ struct RenderParams {
   double eye_separation = 0;  ///< distance between two eyes along x, centred on `eye` [m]: a stereo pair; 0: one eye
   int paths = 0;              ///< light paths per pixel; 0: chosen, 64 for a single picture
   int max_depth = 8;          ///< largest number of surfaces on a light path
-  int roulette_depth = 4;     ///< first surface at which roulette may end a light path
+  int roulette_depth = 6;     ///< first surface at which roulette may end a light path
   double clamp = 0;           ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
   std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
   bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out

@@ -12,6 +12,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/trace/geometry/few_triangles.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/geometry/ray_packet.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
@@ -36,9 +37,9 @@ using Geometry = std::unique_ptr<RTCGeometryTy, decltype(&rtcReleaseGeometry)>;
 // scenes.
 constexpr size_t most_split = 300'000;
 
-size_t count_triangles(const Scene& scene) {
+size_t count_triangles(const std::vector<Mesh>& meshes) {
   size_t count = 0;
-  for (const Mesh& mesh : scene.meshes) count += mesh.triangles.size();
+  for (const Mesh& mesh : meshes) count += mesh.triangles.size();
   return count;
 }
 
@@ -93,6 +94,7 @@ struct Accelerator::Implementation {
   Device device{nullptr, rtcReleaseDevice};
   EmbreeScene watertight{nullptr, rtcReleaseScene};
   EmbreeScene split{nullptr, rtcReleaseScene};  // for random rays; empty in a large scene
+  std::optional<FewTriangles> few;              // for random rays that are traced together, in a scene of few
   std::optional<UniformGrid> grid;              // used instead of Embree
   std::vector<LightSurface> lamps;
   std::vector<Surface> surfaces;  // the meshes, then the lamps
@@ -114,6 +116,12 @@ struct Accelerator::Implementation {
 
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
 
+  /// Whether several rays are traced together. Few triangles take as long for two rays of a packet as for all.
+  bool are_together(uint32_t asked, Aim aim, bool are_near) const {
+    if (!watertight) return false;
+    return are_near || (few && aim == Aim::random && std::popcount(asked) > 2);
+  }
+
   /// Builds Embree's trees over all surfaces.
   /// @param lifts  of the lamps
   void build(const std::vector<double>& lifts) {
@@ -122,14 +130,18 @@ struct Accelerator::Implementation {
     watertight.reset(rtcNewScene(device.get()));
     require_no_error(device.get(), "make a scene");
     rtcSetSceneFlags(watertight.get(), RTC_SCENE_FLAG_ROBUST);
-    if (count_triangles(scene) <= most_split) {
+    std::vector<Mesh> lights;
+    for (size_t i = 0; i < lamps.size(); ++i) lights.push_back(lifted(lamps[i], lifts[i]));
+    const size_t count = count_triangles(scene.meshes);
+    if (count + count_triangles(lights) <= FewTriangles::most) few.emplace();
+    if (count <= most_split) {
       split.reset(rtcNewScene(device.get()));
       require_no_error(device.get(), "make a scene");
       rtcSetSceneBuildQuality(split.get(), RTC_BUILD_QUALITY_HIGH);
     }
     unsigned id = 0;
     for (const Mesh& mesh : scene.meshes) add(mesh, id++);
-    for (size_t i = 0; i < lamps.size(); ++i) add(lifted(lamps[i], lifts[i]), id++);
+    for (const Mesh& light : lights) add(light, id++);
     for (const RTCScene tree : {watertight.get(), split.get()})
       if (tree) rtcCommitScene(tree);
     require_no_error(device.get(), "build its tree over the triangles");
@@ -153,9 +165,18 @@ struct Accelerator::Implementation {
       // A triangle without area has no normal. All its corners are set to one vertex, so that no ray meets it.
       for (uint32_t index : {i, has_area ? j : i, has_area ? k : i}) *indices++ = index;
     }
+    if (few) add_to_few(mesh, id);
     rtcCommitGeometry(geometry.get());
     for (const RTCScene tree : {watertight.get(), split.get()})
       if (tree) rtcAttachGeometryByID(tree, geometry.get(), id);
+  }
+
+  void add_to_few(const Mesh& mesh, unsigned id) {
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      std::array<Vec3, 3> corners;
+      for (size_t n = 0; n < 3; ++n) corners[n] = (mesh.positions[mesh.triangles[t][n]] - precision.centre) * per_unit;
+      few->add(corners, id, uint32_t(t));
+    }
   }
 
   /// The part of a ray inside the sphere in Embree's coordinates, and the length before it, in units.
@@ -253,17 +274,18 @@ void write_down(const RTCRay& ray, bool is_shadow, Aim aim, std::vector<LoggedRa
   log.push_back({{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar, is_shadow, aim});
 }
 
-void write_down(const RayPacket& packet, Aim aim, std::vector<LoggedRay>& log) {
-  const RTCRay16& r = packet.rays;
+void write_down(const RayPacket& packet, bool are_shadows, Aim aim, std::vector<LoggedRay>& log) {
+  const RTCRay16& r = packet.query.ray;
   for (size_t i = 0; i < packet.valid.size(); ++i)
     if (packet.valid[i])
-      log.push_back({{r.org_x[i], r.org_y[i], r.org_z[i]}, {r.dir_x[i], r.dir_y[i], r.dir_z[i]}, r.tfar[i], true, aim});
+      log.push_back(
+          {{r.org_x[i], r.org_y[i], r.org_z[i]}, {r.dir_x[i], r.dir_y[i], r.dir_z[i]}, r.tfar[i], are_shadows, aim});
 }
 
 }  // namespace
 
 Accelerator::Accelerator(const Scene& scene, Acceleration kind)
-    : implementation_(new Implementation{.scene = scene, .grid = {}, .lamps = {}, .surfaces = {}}),
+    : implementation_(new Implementation{.scene = scene, .few = {}, .grid = {}, .lamps = {}, .surfaces = {}}),
       lifts_(scene.lights.size()) {
   check_light_and_materials(scene);
   if (!has_surfaces(scene)) return;
@@ -317,6 +339,40 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
   return true;
 }
 
+uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near,
+                                   std::span<Hit, most_together> hits) const {
+  const Implementation& self = *implementation_;
+  const auto ray = [&](size_t i) { return Ray{rays.origin[i], rays.direction[i]}; };
+  uint32_t bits = 0;
+  if (!self.are_together(asked, aim, are_near)) {
+    for (uint32_t left = asked; left; left &= left - 1) {
+      const auto i = size_t(std::countr_zero(left));
+      bits |= uint32_t(closest_hit(ray(i), hits[i], aim)) << i;
+    }
+    return bits;
+  }
+  RayPacket packet;
+  fill_packet(rays, asked, precision_, packet);
+  if (log_) write_down(packet, false, aim, *log_);
+  if (self.few && aim == Aim::random) {
+    self.few->closest_hits(packet);
+  } else {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(packet.valid.data(), self.tree_for(aim), &context, &packet.query);
+  }
+  const auto& [query, found] = packet.query;
+  for (size_t i = 0; i < packet.valid.size(); ++i) {
+    if (!packet.valid[i] || found.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    const double distance = (packet.skipped[i] + double(query.tfar[i])) * precision_.unit;
+    self.describe(ray(i), {distance, found.geomID[i], found.primID[i], double(found.u[i]), double(found.v[i])},
+                  hits[i]);
+    bits |= 1U << i;
+  }
+  return bits;
+}
+
 bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
   const double distance = length(to - from);
   return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
@@ -359,7 +415,7 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
 uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const {
   const Implementation& self = *implementation_;
   uint32_t bits = 0;
-  if (!self.watertight || !are_near) {
+  if (!self.are_together(asked, aim, are_near)) {
     for (uint32_t left = asked; left; left &= left - 1) {
       const auto i = size_t(std::countr_zero(left));
       bits |= uint32_t(is_occluded({rays.origin[i], rays.direction[i]}, rays.distance[i], aim)) << i;
@@ -368,12 +424,16 @@ uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bo
   }
   RayPacket packet;
   fill_packet(rays, asked, precision_, packet);
-  if (log_) write_down(packet, aim, *log_);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded16(packet.valid.data(), self.tree_for(aim), &context, &packet.rays);
+  if (log_) write_down(packet, true, aim, *log_);
+  if (self.few && aim == Aim::random) {
+    self.few->find_occluded(packet);
+  } else {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded16(packet.valid.data(), self.tree_for(aim), &context, &packet.query.ray);
+  }
   for (size_t i = 0; i < packet.valid.size(); ++i)
-    if (packet.valid[i] && packet.rays.tfar[i] < 0) bits |= 1U << i;
+    if (packet.valid[i] && packet.query.ray.tfar[i] < 0) bits |= 1U << i;
   return bits;
 }
 

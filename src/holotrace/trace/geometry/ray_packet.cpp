@@ -25,7 +25,7 @@ void fill_rays(const RayLanes& rays, uint32_t asked, const ScenePrecision& preci
   const V zero = hn::Zero(d), infinite = set(std::numeric_limits<double>::infinity());
   const Vectors centre = set(precision.centre);
   const double per_unit = 1 / precision.unit, size = sphere_margin * precision.radius / precision.unit;
-  RTCRay16& out = packet->rays;
+  RTCRay16& out = packet->query.ray;
   for (size_t i = 0; i < most_together; i += hn::Lanes(d)) {
     const Vectors start = minus(load(rays.origin, i), centre), direction = load(rays.direction, i);
     const V distance = load(rays.distance, i);
@@ -52,6 +52,7 @@ void fill_rays(const RayLanes& rays, uint32_t asked, const ScenePrecision& preci
     put(entry.x, out.org_x), put(entry.y, out.org_y), put(entry.z, out.org_z);
     put(direction.x, out.dir_x), put(direction.y, out.dir_y), put(direction.z, out.dir_z);
     put(length, out.tfar);
+    hn::StoreU(skipped, d, packet->skipped.data() + i);
     hn::StoreU(hn::DemoteTo(ints, hn::IfThenElseZero(is_valid, set(-1))), ints, packet->valid.data() + i);
   }
 }
@@ -67,10 +68,12 @@ HWY_EXPORT(fill_rays);
 
 void fill_packet(const RayLanes& rays, uint32_t asked, const ScenePrecision& precision, RayPacket& packet) {
   HWY_DYNAMIC_DISPATCH(fill_rays)(rays, asked, precision, &packet);
+  auto& [ray, hit] = packet.query;
   for (size_t i = 0; i < most_together; ++i) {
-    packet.rays.tnear[i] = packet.rays.time[i] = 0;
-    packet.rays.mask[i] = ~0U;
-    packet.rays.id[i] = packet.rays.flags[i] = 0;
+    ray.tnear[i] = ray.time[i] = 0;
+    ray.mask[i] = ~0U;
+    ray.id[i] = ray.flags[i] = 0;
+    hit.geomID[i] = hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
 }
 

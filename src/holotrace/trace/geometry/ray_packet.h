@@ -19,12 +19,13 @@ inline constexpr double sphere_margin = 1.001;
 
 /// Rays that Embree traces together, and which of them it traces: −1, or 0 for the others.
 struct RayPacket {
-  RTCRay16 rays;
+  RTCRayHit16 query;
   alignas(64) std::array<int, most_together> valid;
+  Lane skipped;  ///< length of each ray before the sphere around the scene, in units
 };
 
-/// Makes the rays of `asked` ready for Embree, all of them in vector lanes, as Accelerator::is_occluded does for one: they
-/// end before the rounding of their end, and those that miss the sphere around the scene are left out.
+/// Makes the rays of `asked` ready for Embree, all of them in vector lanes, as Accelerator does for one: they end before the
+/// rounding of their end, and those that miss the sphere around the scene are left out.
 void fill_packet(const RayLanes& rays, uint32_t asked, const ScenePrecision& precision, RayPacket& packet);
 
 }  // namespace holotrace

@@ -158,6 +158,7 @@ class DirectLight {
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
         const PathVertex at{point, {}, state, depth, aim};
         const Vec2 u = place_of(i);
+        if constexpr (Sink::is_by_path) sink_.of_path(paths.number[i]);
         if (!light.is_shared) {
           add_unmet(bsdf, at, light, sample(point.position, u), 1);
         } else if (!is_in_lanes) {
@@ -406,9 +407,16 @@ class DirectLight {
     counts_.shadow_rays += std::popcount(lit);
     const RayLanes rays{at.start, samples.direction, samples.distance};
     Vec3 sum;
-    for (uint32_t seen = lit & ~scene_.accelerator.occluded(rays, lit, Aim::random, are_near); seen; seen &= seen - 1)
-      sum += reflected[size_t(std::countr_zero(seen))];
-    sink_.add(diffuse_path_groups_, light.group, sum);
+    for (uint32_t seen = lit & ~scene_.accelerator.occluded(rays, lit, Aim::random, are_near); seen; seen &= seen - 1) {
+      const auto i = size_t(std::countr_zero(seen));
+      if constexpr (Sink::is_by_path) {
+        sink_.of_path(paths.number[i]);
+        sink_.add(diffuse_path_groups_, light.group, reflected[i]);
+      } else {
+        sum += reflected[i];
+      }
+    }
+    if constexpr (!Sink::is_by_path) sink_.add(diffuse_path_groups_, light.group, sum);
   }
 
   struct ShadowRay {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -34,17 +36,28 @@ class GroupWalk {
         numbers_(numbers),
         dimension_(dimension),
         walk_(scene, sink, counts),
+        sink_(sink),
         direct_light_(scene, sink, counts) {
     static_assert(!Sink::follows_phase, "paths of a group have no phase");
   }
 
-  /// Begins a path of the block, 0 … 15, at the first surface on a ray of a camera; false if there is none.
-  bool begin(uint32_t path, const Ray& ray) {
-    if (!walk_.find(ray)) return false;
-    if (!walk_.begin_here()) return true;
-    set_first();
-    put(path);
-    return true;
+  /// Begins paths of the block at the first surfaces on rays of a camera. Bit i of the result is 1 if there is none on ray i.
+  uint32_t begin(std::span<const NumberedRay> rays) {
+    LaneVectors origin, direction;
+    for (size_t i = 0; i < rays.size(); ++i) origin.set(i, rays[i].ray.origin), direction.set(i, rays[i].ray.direction);
+    const uint32_t asked = (1U << rays.size()) - 1;
+    const uint32_t found =
+        scene_.accelerator.closest_hits({origin, direction, without_end}, asked, Aim::random, true, hits_);
+    counts_.rays += int64_t(rays.size());
+    for (uint32_t left = found; left; left &= left - 1) {
+      const auto i = size_t(std::countr_zero(left));
+      of_path(rays[i].path);
+      walk_.set_found(rays[i].ray, hits_[i]);
+      if (!walk_.begin_here()) continue;
+      set_first();
+      put(rays[i].path);
+    }
+    return asked & ~found;
   }
 
   /// Begins paths 0 … count − 1 of the block at a surface without a lamp. Lights have been sampled there.
@@ -57,6 +70,7 @@ class GroupWalk {
     else
       for (int path = 0; path < count; ++path) {
         walk_.set_start(start);
+        of_path(uint32_t(path));
         follow_alone(uint32_t(path));
       }
   }
@@ -77,6 +91,10 @@ class GroupWalk {
     state_ = walk_.state();
     depth_ = walk_.depth();
     aim_ = walk_.aim();
+  }
+
+  void of_path(uint32_t path) {
+    if constexpr (Sink::is_by_path) sink_.of_path(path);
   }
 
   std::optional<Vec3> reflectance_here() const {
@@ -112,24 +130,36 @@ class GroupWalk {
     for (size_t i = 0; i < size_t(count); ++i) u[i] = places.x[paths_.number[i]], v[i] = places.y[paths_.number[i]];
     DiffuseSamples next;
     sample_directions(paths_.surfaces, u.data(), v.data(), next);
-    paths_.surfaces.count = 0;
+    const PathAutomaton::State state = scene_.automaton.step(state_, PathEvent::diffuse);
+    uint32_t going = 0;  // bits: paths that go on
+    std::array<bool, most_together> is_counted;
     for (size_t i = 0; i < size_t(count); ++i) {
-      const uint32_t path = paths_.number[i];
       const Vec3 throughput = paths_.throughput[i];
-      const double choice = needs_choices ? choices.y[path] * 0x1p-32 : 0;
+      const double choice = needs_choices ? choices.y[paths_.number[i]] * 0x1p-32 : 0;
       const double share = next.pdf[i] > 0 ? std::min(1.0, max_component(throughput)) : 0;
       const double goes_on = depth_ >= scene_.params.roulette_depth || share == 0 ? share : 1;
-      if (!(choice < goes_on)) {
-        ++counts_.absorbed;
-        continue;
-      }
+      if (!(choice < goes_on)) continue;
+      going |= 1U << i;
+      is_counted[i] = choice < share;
+      paths_.throughput.set(i, throughput * (1 / goes_on));
+    }
+    counts_.absorbed += count - std::popcount(going);
+    uint32_t found = 0;
+    if (walk_.looks_on(state, depth_))
+      found = scene_.accelerator.closest_hits({paths_.surfaces.start, next.direction, without_end}, going, Aim::random,
+                                              false, hits_);
+    paths_.surfaces.count = 0;
+    for (uint32_t left = going; left; left &= left - 1) {
+      const auto i = size_t(std::countr_zero(left));
+      const uint32_t path = paths_.number[i];
       const Ray ray{paths_.surfaces.start[i], next.direction[i]};
+      of_path(path);
       // Paths that stay take the places of paths that have left.
-      if (walk_.leave_diffuse({state_, depth_, throughput * (1 / goes_on), choice < share, paths_.surfaces, i}, ray,
-                              next.pdf[i]))
+      if (walk_.leave_diffuse({state, depth_, paths_.throughput[i], is_counted[i], paths_.surfaces, i}, ray,
+                              next.pdf[i], found >> i & 1 ? &hits_[i] : nullptr))
         put(path);
     }
-    state_ = scene_.automaton.step(state_, PathEvent::diffuse);
+    state_ = state;
     aim_ = Aim::random;
   }
 
@@ -138,10 +168,12 @@ class GroupWalk {
   LowDiscrepancy& numbers_;
   int dimension_;
   PathWalk<Sink> walk_;
+  Sink& sink_;
   DirectLight<Sink> direct_light_;
   const Common* common_ = nullptr;
 
   DiffusePaths paths_;
+  std::array<Hit, most_together> hits_;
   PathAutomaton::State state_ = 0;
   int depth_ = 1;
   Aim aim_ = Aim::exact;
@@ -149,7 +181,7 @@ class GroupWalk {
 
 /// Adds light to its sums, and to `whole`, in which each light counts once.
 struct RadianceSink {
-  static constexpr bool follows_phase = false;
+  static constexpr bool follows_phase = false, is_by_path = false;
   std::span<Vec3> sums;
   int path_groups;
   bool is_by_light;
@@ -161,6 +193,17 @@ struct RadianceSink {
     for (int path_group = 0; path_group < path_groups; ++path_group)
       if (accepted >> path_group & 1) sums[first + size_t(path_group)] += radiance;
   }
+  void end_way(std::optional<double>, const MirrorOnWay&) {}
+};
+
+/// Adds light to that of its path, once for each path group that accepts it.
+struct PathLightSink {
+  static constexpr bool follows_phase = false, is_by_path = true;
+  std::array<Vec3, most_together> lights{};
+  uint32_t path = 0;
+
+  void of_path(uint32_t number) { path = number; }
+  void add(uint32_t accepted, int, Vec3 radiance) { lights[path] += radiance * std::popcount(accepted); }
   void end_way(std::optional<double>, const MirrorOnWay&) {}
 };
 
@@ -256,22 +299,28 @@ bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& number
   return has_met;
 }
 
-uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
-                      std::span<Vec3> sums, PathCounts& counts) {
-  require(rays.size() <= most_together, "expected at most {} rays that are followed together, got {}", most_together,
-          rays.size());
-  uint32_t misses = 0;
-  if (!fits_groups(scene.params)) {
-    for (size_t i = 0; i < rays.size(); ++i) {
-      numbers.go_to(rays[i].path, dimension);
-      misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts)) << i;
-    }
+uint32_t find_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension,
+                       LowDiscrepancy& numbers, std::span<Vec3> lights, PathCounts& counts) {
+  require(rays.size() <= most_together && lights.size() == rays.size(),
+          "expected at most {} rays that are followed together, and as many places for their light, got {} and {}",
+          most_together, rays.size(), lights.size());
+  if (rays.empty()) return 0;
+  if (fits_groups(scene.params)) {
+    PathLightSink sink;
+    GroupWalk group(scene, sink, counts, numbers, dimension);
+    const uint32_t misses = group.begin(rays);
+    group.follow();
+    for (size_t i = 0; i < rays.size(); ++i) lights[i] = sink.lights[rays[i].path];
     return misses;
   }
-  RadianceSink sink = make_sink(scene, sums);
-  GroupWalk group(scene, sink, counts, numbers, dimension);
-  for (size_t i = 0; i < rays.size(); ++i) misses |= uint32_t(!group.begin(rays[i].path, rays[i].ray)) << i;
-  group.follow();
+  uint32_t misses = 0;
+  std::vector<Vec3> sums(size_t(scene.sums()));
+  for (size_t i = 0; i < rays.size(); ++i) {
+    numbers.go_to(rays[i].path, dimension);
+    std::fill(sums.begin(), sums.end(), Vec3{});
+    misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts)) << i;
+    lights[i] = std::accumulate(sums.begin(), sums.end(), Vec3{});
+  }
   return misses;
 }
 

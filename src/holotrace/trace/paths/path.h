@@ -99,14 +99,15 @@ struct NumberedRay {
   uint32_t path = 0;  ///< 0 … most_together − 1
 };
 
-/// The sum of add_radiance over up to most_together rays, of different `path`; much faster than one by one where surfaces
-/// are diffuse.
+/// The radiance that add_radiance finds along each of up to most_together rays of different `path`, for all path groups
+/// together; much faster than one by one where surfaces are diffuse, and if the rays are near to each other as those of a pixel.
 ///
 /// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
+/// @param lights     as many as rays, overwritten [W/m²/sr]
 /// @return           bit i is 1 if there is no surface on ray i
 /// @throws Error     for more rays
-uint32_t add_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension, LowDiscrepancy& numbers,
-                      std::span<Vec3> sums, PathCounts& counts);
+uint32_t find_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension,
+                       LowDiscrepancy& numbers, std::span<Vec3> lights, PathCounts& counts);
 
 /// Adds the light that a ray of weight 1 from a mirror or a glass surface meets before `distance` [m] other than
 /// on a surface: rectangles on the way and, for an infinite distance, background and environment. For callers

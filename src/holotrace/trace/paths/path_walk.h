@@ -15,6 +15,8 @@
 // The one loop along a light path (formulas: path.h, add_radiance). The light found goes to a Sink:
 //
 //   static constexpr bool follows_phase        whether start, scatter and travel are called
+//   static constexpr bool is_by_path           whether of_path is called
+//   of_path(path)                              what is added next is light of this path of a block, 0 … 15
 //   add(path_groups, group, radiance)               light of a group for the path groups whose bits are set
 //   end_way(laser_path, reflection)            all light of one contribution was added; for a laser: its optical path
 //                                              from there to the surface, else none; mirrors and glass on that way
@@ -57,9 +59,14 @@ class PathWalk {
   bool find(const Ray& ray) {
     ++counts_.rays;
     if (!scene_.accelerator.closest_hit(ray, hit_, Aim::random)) return false;
-    if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
-    set_first(automaton_.start(), -ray.direction, 1, Aim::random);
+    set_found(ray);
     return true;
+  }
+
+  /// Goes to the surface that was found on a ray of a camera, to begin there.
+  void set_found(const Ray& ray, const Hit& hit) {
+    hit_ = hit;
+    set_found(ray);
   }
 
   /// Begins a path at the surface that was found; false if it ends there, at a lamp.
@@ -96,7 +103,12 @@ class PathWalk {
   int depth() const { return depth_; }
   Aim aim() const { return aim_; }
 
-  /// A path at a diffuse surface from which it goes on.
+  /// Whether a path that has left surface `depth`, now in `state`, looks for the next one.
+  bool looks_on(PathAutomaton::State state, int depth) const {
+    return !automaton_.is_dead(state) && (depth < scene_.params.max_depth || emitters_.shine_beyond_surfaces());
+  }
+
+  /// A path that has left a diffuse surface.
   struct Leaving {
     PathAutomaton::State state;
     int depth;
@@ -106,9 +118,9 @@ class PathWalk {
     size_t index;  ///< of its surface among them
   };
 
-  /// Continues a path: it leaves a surface along a ray drawn with density `pdf` [1/sr]. False if the path ends before another
-  /// surface.
-  bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf) {
+  /// Continues a path that left a surface along a ray drawn with density `pdf` [1/sr]. False if it ends before another surface.
+  /// @param hit  the first surface on the ray, if the path looks on; nullptr if there is none
+  bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf, const Hit* hit) {
     if (scene_.caustics.has_rectangles)
       last_scatter_ = {path.surfaces.point(path.index), ray.direction, pdf, path.depth};
     state_ = path.state;
@@ -116,7 +128,12 @@ class PathWalk {
     throughput_ = path.throughput;
     is_counted_ = path.is_counted;
     scale_ = 1;
-    return leave(ray, Lobe::diffuse, pdf);
+    pdf_ = pdf;
+    aim_ = Aim::random;
+    if (!looks_on(state_, depth_)) return end(ray);
+    ++counts_.rays;
+    if (hit) hit_ = *hit;
+    return reach(ray, ray.origin, hit);
   }
 
   /// What paths from one start share.
@@ -159,6 +176,11 @@ class PathWalk {
   }
 
  private:
+  void set_found(const Ray& ray) {
+    if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
+    set_first(automaton_.start(), -ray.direction, 1, Aim::random);
+  }
+
   void set_first(PathAutomaton::State state, Vec3 outgoing, int depth, Aim aim) {
     state_ = state;
     outgoing_ = outgoing;
@@ -257,27 +279,30 @@ class PathWalk {
   /// Goes along a ray, drawn with density `pdf`, to the next surface; false if the path ends.
   bool leave(const Ray& ray, Lobe lobe, double pdf) {
     state_ = automaton_.step(state_, event_of(lobe));
+    pdf_ = lobe == Lobe::specular ? 0 : pdf;
+    if (pdf_ > 0) aim_ = Aim::random;
+    if (!looks_on(state_, depth_)) return end(ray);
+    ++counts_.rays;
+    const Vec3 here = point_.position;
+    return reach(ray, here, scene_.accelerator.closest_hit(ray, hit_, aim_));
+  }
+
+  /// Ends a path that does not look on along a ray. For max_depth, it is counted whether a surface would have followed.
+  bool end(const Ray& ray) {
     if (automaton_.is_dead(state_)) {
       ++counts_.left_out;
-      return false;
-    }
-    const bool is_last = depth_ >= scene_.params.max_depth;
-    if (is_last && !emitters_.shine_beyond_surfaces()) {
-      if (!is_counted_) {
-        ++counts_.absorbed;
-        return false;
-      }
+    } else if (!is_counted_) {
+      ++counts_.absorbed;
+    } else {
       ++counts_.rays;
       const bool has_met = scene_.accelerator.is_occluded(ray, std::numeric_limits<double>::infinity());
       ++(has_met ? counts_.cut : counts_.escaped);
-      return false;
     }
+    return false;
+  }
 
-    ++counts_.rays;
-    pdf_ = lobe == Lobe::specular ? 0 : pdf;
-    if (pdf_ > 0) aim_ = Aim::random;
-    const Vec3 here = point_.position;
-    const bool has_hit = scene_.accelerator.closest_hit(ray, hit_, aim_);
+  /// Arrives at the surface that a ray from `here` has met, if it has; false if the path ends.
+  bool reach(const Ray& ray, [[maybe_unused]] Vec3 here, bool has_hit) {
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
     // A lamp in the plane of a wall counts as in front of it, as in the sampling of lights.
     if (emitters_.shine_beyond_surfaces())
@@ -287,7 +312,7 @@ class PathWalk {
       add_lamp();
       return false;
     }
-    if (!has_hit || is_last) {
+    if (!has_hit || depth_ >= scene_.params.max_depth) {
       ++(!has_hit ? counts_.escaped : is_counted_ ? counts_.cut : counts_.absorbed);
       return false;
     }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "holotrace/base/vec.h"
 
@@ -13,6 +14,13 @@ inline constexpr int most_together = 16;  ///< paths that are followed together,
 
 /// A number of each path. Numbers of paths that are not there are not set.
 using Lane = std::array<double, most_together>;
+
+/// Lengths of rays without end.
+inline constexpr Lane without_end = [] {
+  Lane lengths{};
+  lengths.fill(std::numeric_limits<double>::infinity());
+  return lengths;
+}();
 
 /// A vector of each path.
 struct LaneVectors {
