@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bench/bench.h"
+#include "bench/bench_history.h"
+#include "bench/commit.h"
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
@@ -143,23 +146,45 @@ BenchRow run_step(const BenchStep& step) {
   }
 }
 
-void run_bench(const BenchOptions& options, const std::vector<std::string>& only, bool is_json, const std::string& plot,
+constexpr double slower = 1.1;  // times the time before: less is noise
+
+void print_slower(const BenchHistory& history, const std::vector<SlowerStage>& stages, int threads,
+                  const std::string& file) {
+  const size_t earlier = history.comparable(threads);
+  if (earlier == 0) {
+    fmt::print("\n{} has no earlier rows of this processor with {} thread{}\n", file, threads, threads == 1 ? "" : "s");
+  } else if (stages.empty()) {
+    fmt::print("\nNothing is slower by more than 10 % than in {}, by {} earlier rows of this processor\n", file,
+               earlier);
+  } else {
+    fmt::print("\nSlower than in {} (medians of up to five earlier runs of this processor)\n", file);
+    for (const SlowerStage& s : stages)
+      fmt::print("{:<22} {:<52} {:>10} before, {:>10} now: {:.2f} times\n", s.stage, s.job, format_seconds(s.before),
+                 format_seconds(s.now), s.ratio);
+  }
+}
+
+struct BenchOutputs {
+  bool is_json = false;
+  std::string plot, history;  // files, or empty
+};
+
+void run_bench(const BenchOptions& options, const std::vector<std::string>& only, const BenchOutputs& outputs,
                Console& console) {
+  std::optional<BenchHistory> history;
+  if (!outputs.history.empty()) history.emplace(outputs.history);
   const Ceilings ceilings = measure_ceilings(console.watch("ceilings"));
-  Json json{{"version", HOLOTRACE_VERSION},
-            {"processor", cpu_name()},
-            {"threads", ceilings.threads},
-            {"ceilings", json_of(ceilings)},
-            {"stages", Json::array()}};
+  Json json{{"version", HOLOTRACE_VERSION}, {"commit", source_commit},       {"processor", cpu_name()},
+            {"threads", ceilings.threads},  {"ceilings", json_of(ceilings)}, {"stages", Json::array()}};
   const bool has_device = options.device.kind == DeviceKind::opencl;
   DevicePeak peak;
   if (has_device) {
     peak = measure_device_peak(open_device(options.device.number));
     json["device_ceilings"] = {{"multiply_adds_per_s", peak.multiply_adds}, {"memory_bytes_per_s", peak.memory}};
   }
-  std::vector<BenchRow> rows;
+  std::vector<std::pair<std::string, BenchRow>> rows;  // with their groups
   const auto show = [&](const auto& print) {
-    if (is_json) return;
+    if (outputs.is_json) return;
     console.clear();
     print();
     std::fflush(stdout);
@@ -175,18 +200,31 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
     const Observer observer = console.watch(group.name);
     const std::vector<BenchStep> steps = group.steps(options);
     for (size_t i = 0; i < steps.size(); ++i) {
-      rows.push_back(run_step(steps[i]));
+      rows.emplace_back(group.name, run_step(steps[i]));
       show([&] {
         if (rows.size() == 1) print_head();
-        print_row(rows.back());
+        print_row(rows.back().second);
       });
-      json["stages"].push_back(json_of(group.name, rows.back()));
+      json["stages"].push_back(json_of(group.name, rows.back().second));
       observer.progress(double(i + 1) / double(steps.size()));
     }
   }
   console.finish();
-  if (!plot.empty()) save_chart(plot, accelerators_chart(rows));
-  if (is_json) fmt::print("{}\n", json.dump(2));
+  if (!outputs.plot.empty()) {
+    std::vector<BenchRow> charted;
+    for (const auto& [group, row] : rows) charted.push_back(row);
+    save_chart(outputs.plot, accelerators_chart(charted));
+  }
+  if (history) {
+    const std::vector<SlowerStage> stages = history->find_slower(rows, ceilings.threads, slower);
+    json["slower"] = Json::array();
+    for (const SlowerStage& s : stages)
+      json["slower"].push_back(
+          {{"stage", s.stage}, {"job", s.job}, {"seconds_before", s.before}, {"seconds", s.now}, {"ratio", s.ratio}});
+    show([&] { print_slower(*history, stages, ceilings.threads, outputs.history); });
+    history->append(rows, ceilings.threads);
+  }
+  if (outputs.is_json) fmt::print("{}\n", json.dump(2));
 }
 
 }  // namespace
@@ -197,12 +235,13 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
       "peak rates of this machine and the fraction of them that each stage reaches (medians, ratios in one "
       "run)");
   struct Options {
-    bool is_json = false, is_quick = false, is_full = false;
+    bool is_quick = false, is_full = false;
     std::vector<std::string> only;
-    std::string plot, device;
+    std::string device;
+    BenchOutputs outputs;
   };
   auto o = std::make_shared<Options>();
-  command->add_flag("--json", o->is_json, "as JSON");
+  command->add_flag("--json", o->outputs.is_json, "as JSON");
   command->add_flag("--quick", o->is_quick,
                     "only the small jobs, with fewer runs of each: about a minute on two cores");
   command->add_flag("--full", o->is_full, "also the jobs that take longer than 15 s, which are otherwise left out")
@@ -212,9 +251,15 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("NAME,NAME")
       ->check(check_group, "", "");
   command
-      ->add_option("--plot", o->plot,
+      ->add_option("--plot", o->outputs.plot,
                    "chart of the time per ray against the number of triangles: .png or .svg; needs the group "
                    "accelerators")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--history", o->outputs.history,
+          "file of the rows of earlier runs, to which those of this run are added, a line of JSON each with commit "
+          "and processor; stages that are slower than there by more than 10 % are listed")
       ->type_name("FILE");
   command
       ->add_option("--device", o->device,
@@ -222,11 +267,12 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
                    "processor [cpu]")
       ->type_name("cpu|opencl|opencl:N");
   command->callback([o, &global] {
-    if (!o->plot.empty()) {
-      check_output(o->plot, {".png", ".svg"});
+    if (!o->outputs.plot.empty()) {
+      check_output(o->outputs.plot, {".png", ".svg"});
       require(o->only.empty() || std::find(o->only.begin(), o->only.end(), "accelerators") != o->only.end(),
               "--plot draws the group accelerators, which --only leaves out; add accelerators to --only");
     }
+    if (!o->outputs.history.empty()) check_output(o->outputs.history);
     BenchOptions options;
     if (o->is_quick) options = {.is_quick = true, .seconds_per_row = 0.2, .longest_seconds = 1};
     if (o->is_full) options.longest_seconds = 1e9;
@@ -235,7 +281,7 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
             "--device: expected cpu, opencl or opencl:N, got {}; name the device to measure",
             device_text(options.device));
     Console console(global.is_quiet);
-    run_bench(options, o->only, o->is_json, o->plot, console);
+    run_bench(options, o->only, o->outputs, console);
   });
 }
 

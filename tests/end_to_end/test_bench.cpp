@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "support/program.h"
 
@@ -49,6 +52,64 @@ TEST(Bench, JsonHasTheCeilingsAndEachStageAsAPartOfItsOwn) {
     EXPECT_GT(rate * seconds, 0.3 * 1e3 * 1920 * 1080) << "at 0.2 m most waves light most of the panel";
   }
   EXPECT_GE(tiled, ceilings["multiply_adds_per_s"].size()) << "a line for each instruction set, and for bf16";
+}
+
+// Rows that are a tenth of what they were in both measures stand for a run that was ten times as fast.
+std::string faster(const std::string& history, double factor) {
+  std::string text;
+  std::istringstream lines(history);
+  for (std::string line; std::getline(lines, line);) {
+    auto row = nlohmann::ordered_json::parse(line);
+    row["seconds"] = row["seconds"].get<double>() / factor;
+    if (row.contains("of_ceiling")) row["of_ceiling"] = row["of_ceiling"].get<double>() * factor;
+    text += row.dump() + "\n";
+  }
+  return text;
+}
+
+TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
+  const Workplace place;
+  const std::vector<std::string> command{"bench", "--quick", "--only", "exact,tiled", "--history", "history.jsonl"};
+  const test::Outcome first = place.run(command);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_NE(first.out.find("history.jsonl has no earlier rows of this processor"), std::string::npos) << first.out;
+  const std::string rows = place.read("history.jsonl");
+  const auto row = nlohmann::json::parse(rows.substr(0, rows.find('\n')));
+  for (const char* name : {"date", "commit", "version", "processor", "group", "stage", "job"})
+    EXPECT_FALSE(row[name].get<std::string>().empty()) << name;
+  EXPECT_GT(row["seconds"].get<double>(), 0);
+
+  // Ten times as fast before: every row is slower now. Ten times as slow: none is, though there may be noise of some 10 %.
+  const auto count = std::count(rows.begin(), rows.end(), '\n');
+  place.write("history.jsonl", faster(rows, 10));
+  const test::Outcome slower = place.run(command);
+  ASSERT_EQ(slower.exit_code, 0) << slower.err;
+  const auto times = slower.out.find("Slower than in history.jsonl");
+  ASSERT_NE(times, std::string::npos) << slower.out;
+  EXPECT_EQ(std::count(slower.out.begin() + int64_t(times), slower.out.end(), '\n'), count + 1);
+  const std::string both = place.read("history.jsonl");
+  EXPECT_EQ(std::count(both.begin(), both.end(), '\n'), 2 * count) << "rows are added";
+
+  place.write("history.jsonl", faster(rows, 0.1));
+  const test::Outcome quicker = place.run(command);
+  EXPECT_NE(quicker.out.find("Nothing is slower by more than 10 % than in history.jsonl"), std::string::npos)
+      << quicker.out;
+
+  // Rows of another processor or number of threads are not compared.
+  std::string other = faster(rows, 10);
+  for (const std::string name : {"\"threads\":"})
+    for (size_t at = other.find(name); at != std::string::npos; at = other.find(name, at + name.size()))
+      other.insert(at + name.size(), "9");
+  place.write("history.jsonl", other);
+  EXPECT_NE(place.run(command).out.find("has no earlier rows"), std::string::npos);
+
+  place.write("history.jsonl", rows + "{\"stage\": 3}\n");
+  const test::Outcome wrong = place.run(command);
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(
+      wrong.err.find("history.jsonl: line " + std::to_string(count + 1) + " is not a row of holotrace bench --history"),
+      std::string::npos)
+      << wrong.err;
 }
 
 // Noise falls as 1/√paths, so the time to a given noise is that of the picture × (its noise / the given one)².
