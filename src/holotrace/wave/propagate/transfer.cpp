@@ -9,6 +9,7 @@
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/column_fft.h"
+#include "holotrace/base/complex_arrays.h"
 #include "holotrace/base/fft.h"
 #include "holotrace/base/large_buffer.h"
 #include "holotrace/base/threads.h"
@@ -190,9 +191,10 @@ template <class Real>
 void fill_angular_spectrum(Propagator<Real>& p) {
   const double z = p.distance, du = 1 / p.x.period(), dv = 1 / p.y.period();
   const double start = cycle_fraction(z, p.wavelength);
-  const std::vector<ComplexDouble> beside = beside_transfer(p.y);
+  const std::vector<ComplexDouble> exactly_beside = beside_transfer(p.y);
+  const std::vector<std::complex<Real>> beside(exactly_beside.begin(), exactly_beside.end());
   const bool is_plain =
-      std::all_of(beside.begin(), beside.end(), [](const ComplexDouble& factor) { return factor == 1.0; });
+      std::all_of(beside.begin(), beside.end(), [](const std::complex<Real>& factor) { return factor == Real(1); });
   // The function is even in v: each |v| is computed once.
   const int least = p.y.first <= 0 && p.y.last >= 0 ? 0 : std::min(std::abs(p.y.first), std::abs(p.y.last));
   const int most = std::max(std::abs(p.y.first), std::abs(p.y.last));
@@ -204,13 +206,17 @@ void fill_angular_spectrum(Propagator<Real>& p) {
   make_table(p);
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     const int i = frequency_of_slot(p, int(slot));
-    std::vector<std::complex<Real>> column(v.size());
+    std::vector<std::complex<Real>> column(v.size()), in_order(p.is_on_lattice() ? places.size() : 0);
+    const auto at = [&](int j) { return column.data() + (j - least); };
     Column{i * du, p.wavelength, z, start, v, v2}.fill(passing(p.x, i) * part_of_pitch(p.x, i), column);
     std::complex<Real>* row = p.transfer.row(int(slot));
-    for (size_t n = 0; n < places.size(); ++n) {
-      const std::complex<Real>& h = column[size_t(std::abs(p.y.first + int(n)) - least)];
-      row[places[n]] = is_plain ? h : std::complex<Real>(beside[n] * ComplexDouble(h));
-    }
+    std::complex<Real>* line = p.is_on_lattice() ? in_order.data() : row;
+    auto next = line;
+    if (p.y.first < 0) next = std::reverse_copy(at(std::abs(std::min(p.y.last, -1))), at(-p.y.first) + 1, next);
+    if (p.y.last >= 0) std::copy(at(std::max(p.y.first, 0)), at(p.y.last) + 1, next);
+    if (!is_plain) multiply(line, line, beside.data(), beside.size());
+    if (line == row) return;
+    for (size_t n = 0; n < in_order.size(); ++n) row[places[n]] = in_order[n];
   });
 }
 
