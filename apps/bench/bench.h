@@ -20,9 +20,10 @@ struct BenchOptions {
 
 /// A stage on a job: its time, and the fraction of the ceiling that it reached.
 struct BenchRow {
-  std::string stage{};  ///< stage, such as "tiled AVX2"
-  std::string job{};    ///< job, such as "1920x1080, 1e4 waves, 0.19-0.21 m"
-  double seconds = 0;   ///< median time of one run [s]
+  std::string stage{};   ///< stage, such as "tiled AVX2"
+  std::string job{};     ///< job, such as "1920x1080, 1e4 waves, 0.19-0.21 m"; the same in each run
+  std::string result{};  ///< what was found besides the time, such as "13.3 dB"; or empty
+  double seconds = 0;    ///< median time of one run [s]
   int runs = 0;
   double rate = 0;                 ///< in `unit` per second
   std::string unit{};              ///< such as "waves·pixels"

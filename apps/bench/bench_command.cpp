@@ -100,6 +100,7 @@ void print_ceilings(const Ceilings& c) {
 
 Json json_of(const std::string& group, const BenchRow& row) {
   Json json{{"group", group}, {"stage", row.stage}, {"job", row.job}, {"unit", row.unit}};
+  if (!row.result.empty()) json["result"] = row.result;
   if (!row.left_out.empty()) {
     json["left_out"] = row.left_out;
   } else {
@@ -131,7 +132,8 @@ void print_row(const BenchRow& row) {
     fmt::print("{:<22} {:<52} left out: {}\n", row.stage, row.job, row.left_out);
     return;
   }
-  fmt::print("{:<22} {:<52} {:>10} {:>8} {:<15} {:>10} {:>8}\n", row.stage, row.job, format_seconds(row.seconds),
+  fmt::print("{:<22} {:<52} {:>10} {:>8} {:<15} {:>10} {:>8}\n", row.stage,
+             row.result.empty() ? row.job : row.job + ": " + row.result, format_seconds(row.seconds),
              format_rate(row.rate), row.unit,
              row.ceiling_rate > 0 ? fmt::format("{:.0f} %", 100 * row.of_ceiling) : "-",
              row.error >= 0 ? fmt::format("{:.1e}", row.error) : "-");
@@ -148,20 +150,20 @@ BenchRow run_step(const BenchStep& step) {
 
 constexpr double slower = 1.1;  // times the time before: less is noise
 
-void print_slower(const BenchHistory& history, const std::vector<SlowerStage>& stages, int threads,
-                  const std::string& file) {
-  const size_t earlier = history.comparable(threads);
-  if (earlier == 0) {
-    fmt::print("\n{} has no earlier rows of this processor with {} thread{}\n", file, threads, threads == 1 ? "" : "s");
-  } else if (stages.empty()) {
-    fmt::print("\nNothing is slower by more than 10 % than in {}, by {} earlier rows of this processor\n", file,
-               earlier);
-  } else {
-    fmt::print("\nSlower than in {} (medians of up to five earlier runs of this processor)\n", file);
-    for (const SlowerStage& s : stages)
-      fmt::print("{:<22} {:<52} {:>10} before, {:>10} now: {:.2f} times\n", s.stage, s.job, format_seconds(s.before),
-                 format_seconds(s.now), s.ratio);
+void print_slower(const BenchComparison& comparison, const std::string& file) {
+  const auto& [compared, stages] = comparison;
+  if (compared == 0) {
+    fmt::print("\n{} has no earlier rows of these stages on this machine\n", file);
+    return;
   }
+  fmt::print("\n{} of {} stages that {} has rows of are slower than there by more than {:.0f} %\n", stages.size(),
+             compared, file, 100 * (slower - 1));
+  const auto text = [](const SlowerStage& s, double value) {
+    return s.is_part ? fmt::format("{:.3g} % of ceiling", 100 * value) : format_seconds(value);
+  };
+  for (const SlowerStage& s : stages)
+    fmt::print("{:<22} {:<52} {:>18} before, {:>18} now: {:.2f} times as slow\n", s.stage, s.job, text(s, s.before),
+               text(s, s.now), s.ratio);
 }
 
 struct BenchOutputs {
@@ -216,12 +218,17 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
     save_chart(outputs.plot, accelerators_chart(charted));
   }
   if (history) {
-    const std::vector<SlowerStage> stages = history->find_slower(rows, ceilings.threads, slower);
+    const BenchComparison comparison = history->compare(rows, ceilings.threads, slower);
+    json["compared_with_history"] = comparison.compared;
     json["slower"] = Json::array();
-    for (const SlowerStage& s : stages)
-      json["slower"].push_back(
-          {{"stage", s.stage}, {"job", s.job}, {"seconds_before", s.before}, {"seconds", s.now}, {"ratio", s.ratio}});
-    show([&] { print_slower(*history, stages, ceilings.threads, outputs.history); });
+    for (const SlowerStage& s : comparison.slower)
+      json["slower"].push_back({{"stage", s.stage},
+                                {"job", s.job},
+                                {"measure", s.is_part ? "part of the ceiling" : "seconds"},
+                                {"before", s.before},
+                                {"now", s.now},
+                                {"ratio", s.ratio}});
+    show([&] { print_slower(comparison, outputs.history); });
     history->append(rows, ceilings.threads);
   }
   if (outputs.is_json) fmt::print("{}\n", json.dump(2));
@@ -259,7 +266,7 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
       ->add_option(
           "--history", o->outputs.history,
           "file of the rows of earlier runs, to which those of this run are added, a line of JSON each with commit "
-          "and processor; stages that are slower than there by more than 10 % are listed")
+          "and processor; stages that are slower than the median of their last five rows there by more than 10 % are listed")
       ->type_name("FILE");
   command
       ->add_option("--device", o->device,

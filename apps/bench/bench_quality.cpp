@@ -47,8 +47,9 @@ BenchRow bench_quality(const QualityJob& job) {
   const EncoderQuality quality = encoder_quality(targets[0], hologram, slm, {.effects = job.effects});
   const EncoderQuality at_points =
       encoder_quality(targets[0], hologram, slm, {.effects = job.effects}, PixelSampling::point);
-  row.job = fmt::format("{}: {:.1f} dB ({:.1f} dB at the pixel centres), {:.3g} % of the light", slm.name, quality.psnr,
-                        at_points.psnr, 100 * quality.efficiency);
+  row.job = slm.name;
+  row.result = fmt::format("{:.1f} dB ({:.1f} dB at the pixel centres), {:.3g} % of the light", quality.psnr,
+                           at_points.psnr, 100 * quality.efficiency);
   row.unit = "pixels";
   row.rate = double(slm.grid.pixels()) / row.seconds;
   row.facts = {{"psnr_db", quality.psnr}, {"psnr_at_points_db", at_points.psnr}, {"efficiency", quality.efficiency}};

@@ -150,7 +150,8 @@ BenchRow bench_trace() {
   std::sort(bare.begin(), bare.end());
   const double rate = double(count) / traced[3], embree = double(count) / bare[3];
   return {.stage = "trace",
-          .job = fmt::format("{} triangles, {} rays", triangles, short_count(count)),
+          .job = fmt::format("{} triangles", triangles),
+          .result = fmt::format("{} rays", short_count(count)),
           .seconds = traced[3],
           .runs = int(traced.size()),
           .rate = rate,
@@ -184,7 +185,8 @@ BenchRow bench_render(const char* name, const Scene& scene, RenderParams params)
   row.error = picture_noise(pictures[0], pictures[1]);
   // The noise of n times as many paths is 1/√n of it.
   const double seconds = row.seconds * std::pow(row.error / compared_noise, 2);
-  row.job = fmt::format("{0}x{0}, {1} paths; noise of 1 % takes {2:.3g} s", params.rows, params.paths, seconds);
+  row.job = fmt::format("{0}x{0}, {1} paths", params.rows, params.paths);
+  row.result = fmt::format("noise of 1 % takes {:.3g} s", seconds);
   row.facts = {{"paths", params.paths}, {"seconds_to_noise_of_1_percent", seconds}};
   return row;
 }

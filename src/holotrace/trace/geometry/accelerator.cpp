@@ -116,10 +116,9 @@ struct Accelerator::Implementation {
 
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
 
-  /// Whether several rays are traced together. Few triangles take as long for two rays of a packet as for all.
+  /// Whether several rays are traced together, which takes as long for two rays as for all.
   bool are_together(uint32_t asked, Aim aim, bool are_near) const {
-    if (!watertight) return false;
-    return are_near || (few && aim == Aim::random && std::popcount(asked) > 2);
+    return watertight && std::popcount(asked) > 2 && (are_near || (few && aim == Aim::random));
   }
 
   /// Builds Embree's trees over all surfaces.

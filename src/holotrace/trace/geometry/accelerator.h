@@ -80,12 +80,12 @@ class Accelerator {
   /// closest_hit for several rays: bit i of the result is 1 if bit i of `asked` is and there is a surface on ray i, which is
   /// written to hits[i].
   /// @param rays      their distances must be infinite
-  /// @param are_near  whether they start near to each other in similar directions, such as those of a pixel: they are then
-  ///                  traced together, in 0.3 of the time of single ones
+  /// @param are_near  whether they start near to each other in similar directions, as those of a pixel do: they are then traced
+  ///                  together, which is faster only for such rays
   uint32_t closest_hits(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near,
                         std::span<Hit, most_together> hits) const;
 
-  /// is_occluded for several rays: bit i of the result is 1 if bit i of `asked` is and a surface lies on ray i.
+  /// The same for is_occluded: bit i of the result is 1 if bit i of `asked` is and a surface lies on ray i.
   /// @param are_near  whether they start near to each other: they are then traced together, which is faster only for such rays
   uint32_t occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const;
 
@@ -108,8 +108,7 @@ class Accelerator {
            point.geometric_normal * std::copysign(point.clearance, dot(point.geometric_normal, direction));
   }
 
-  /// Records every ray that goes to Embree in `log`, until called with nullptr. For benchmarks, on
-  /// one thread.
+  /// Records every ray that is traced, not those of a grid, in `log`, until called with nullptr. For benchmarks, on one thread.
   void log_rays(std::vector<LoggedRay>* log) { log_ = log; }
 
   /// Number of logged rays, `count` of them from `rays` on, that meet a surface in Embree alone; 0 with a grid. Each is

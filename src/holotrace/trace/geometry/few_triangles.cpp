@@ -45,11 +45,8 @@ struct Meeting {
 HWY_INLINE Meeting meet(const Face& face, const Rays& rays, F end) {
   const Floats d;
   const F zero = hn::Zero(d), along = dot_of(face.normal, rays.direction, zero);
-  // A reciprocal of 11 bits at least, and one step of Newton's method.
-  const F rough = hn::ApproximateReciprocal(along);
-  const F inverse = hn::Mul(rough, hn::NegMulAdd(along, rough, hn::Set(d, 2.0F)));
   Meeting found;
-  found.distance = hn::Neg(hn::Mul(dot_of(face.normal, rays.origin, hn::Set(d, face.normal[3])), inverse));
+  found.distance = hn::Div(hn::Neg(dot_of(face.normal, rays.origin, hn::Set(d, face.normal[3]))), along);
   F place[3];
   for (int k = 0; k < 3; ++k) place[k] = hn::MulAdd(found.distance, rays.direction[k], rays.origin[k]);
   found.b1 = dot_of(face.u, place, hn::Set(d, face.u[3]));

@@ -211,7 +211,8 @@ RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
   return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
 
-/// Whether a path may be one of a group: each path need not know its own light, and samples lights at each surface.
+/// Whether paths may be followed as a group: without a clamp, which limits what a path finds in all, and with lights sampled at each
+/// surface.
 bool fits_groups(const PathParams& params) { return params.clamp <= 0 && !params.asks_at_end; }
 
 /// The fraction of light of this strength that a clamp keeps.

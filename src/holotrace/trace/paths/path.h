@@ -96,7 +96,7 @@ bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& number
 /// A ray of a camera, and the number of its path among those of a block of random numbers.
 struct NumberedRay {
   Ray ray;
-  uint32_t path = 0;  ///< 0 … most_together − 1
+  uint32_t path = 0;  ///< 0 … most_together − 1, another for each ray
 };
 
 /// The radiance that add_radiance finds along each of up to most_together rays of different `path`, for all path groups
@@ -105,7 +105,7 @@ struct NumberedRay {
 /// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
 /// @param lights     as many as rays, overwritten [W/m²/sr]
 /// @return           bit i is 1 if there is no surface on ray i
-/// @throws Error     for more rays
+/// @throws Error     for more rays, or another number of lights
 uint32_t find_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension,
                        LowDiscrepancy& numbers, std::span<Vec3> lights, PathCounts& counts);
 
