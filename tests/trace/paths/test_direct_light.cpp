@@ -128,6 +128,7 @@ TEST(DirectLight, OfACamerasPathsIsThatOfThePathsOneByOne) {
           EXPECT_LE(length(lights[i] - light), tolerance) << "ray " << i << ", pixel " << pixel;
           brightest = std::max(brightest, light.x);
         }
+        EXPECT_EQ(misses >> rays.size(), 0U);
         missed += misses != 0;
       }
       EXPECT_GT(brightest, 0);
