@@ -377,12 +377,6 @@ bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
   return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
 }
 
-Ray Accelerator::from_viewer(Ray ray) const {
-  if (front_ == 0 || ray.origin.z != 0 || ray.direction.z >= 0) return ray;
-  ray.origin += ray.direction * ((front_ + precision_.unit) / ray.direction.z);
-  return ray;
-}
-
 bool Accelerator::is_hidden(Vec3 place, Vec3 point) const {
   if (front_ == 0 || place.z != 0) return is_occluded(place, point);
   const Vec3 way = normalize(point.z < 0 ? point - place : place - point);

@@ -71,7 +71,11 @@ class Accelerator {
 
   /// A ray through a place on the panel as a viewer looks along it: it starts in front of all meshes, also of those between
   /// the panel and the viewer. Rays that start elsewhere stay as they are.
-  Ray from_viewer(Ray ray) const;
+  Ray from_viewer(Ray ray) const {
+    if (front_ == 0 || ray.origin.z != 0 || ray.direction.z >= 0) return ray;
+    ray.origin += ray.direction * ((front_ + precision_.unit) / ray.direction.z);
+    return ray;
+  }
 
   /// Whether a surface hides a point from a viewer who looks at it through a place on the panel. The point may be in front of the
   /// panel.
