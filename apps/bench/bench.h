@@ -20,6 +20,7 @@ struct BenchOptions {
 
 /// A stage on a job: its time, and the fraction of the ceiling that it reached.
 struct BenchRow {
+  std::string group{};   ///< group of stages, such as "tiled"; set when the row is made
   std::string stage{};   ///< stage, such as "tiled AVX2"
   std::string job{};     ///< job, such as "1920x1080, 1e4 waves, 0.19-0.21 m"; the same in each run
   std::string result{};  ///< what was found besides the time, such as "13.3 dB"; or empty

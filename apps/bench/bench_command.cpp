@@ -98,8 +98,8 @@ void print_ceilings(const Ceilings& c) {
 
 // --- the stages ---
 
-Json json_of(const std::string& group, const BenchRow& row) {
-  Json json{{"group", group}, {"stage", row.stage}, {"job", row.job}, {"unit", row.unit}};
+Json json_of(const BenchRow& row) {
+  Json json{{"group", row.group}, {"stage", row.stage}, {"job", row.job}, {"unit", row.unit}};
   if (!row.result.empty()) json["result"] = row.result;
   if (!row.left_out.empty()) {
     json["left_out"] = row.left_out;
@@ -153,10 +153,10 @@ constexpr double slower = 1.1;  // times the time before: less is noise
 void print_slower(const BenchComparison& comparison, const std::string& file) {
   const auto& [compared, stages] = comparison;
   if (compared == 0) {
-    fmt::print("\n{} has no earlier rows of these stages on this machine\n", file);
+    fmt::print("\n{} has no earlier times of these stages on this machine\n", file);
     return;
   }
-  fmt::print("\n{} of {} stages that {} has rows of are slower than there by more than {:.0f} %\n", stages.size(),
+  fmt::print("\n{} of the {} stages with earlier times in {} are slower now by more than {:.0f} %\n", stages.size(),
              compared, file, 100 * (slower - 1));
   const auto text = [](const SlowerStage& s, double value) {
     return s.is_part ? fmt::format("{:.3g} % of ceiling", 100 * value) : format_seconds(value);
@@ -184,7 +184,7 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
     peak = measure_device_peak(open_device(options.device.number));
     json["device_ceilings"] = {{"multiply_adds_per_s", peak.multiply_adds}, {"memory_bytes_per_s", peak.memory}};
   }
-  std::vector<std::pair<std::string, BenchRow>> rows;  // with their groups
+  std::vector<BenchRow> rows;
   const auto show = [&](const auto& print) {
     if (outputs.is_json) return;
     console.clear();
@@ -202,21 +202,18 @@ void run_bench(const BenchOptions& options, const std::vector<std::string>& only
     const Observer observer = console.watch(group.name);
     const std::vector<BenchStep> steps = group.steps(options);
     for (size_t i = 0; i < steps.size(); ++i) {
-      rows.emplace_back(group.name, run_step(steps[i]));
+      rows.push_back(run_step(steps[i]));
+      rows.back().group = group.name;
       show([&] {
         if (rows.size() == 1) print_head();
-        print_row(rows.back().second);
+        print_row(rows.back());
       });
-      json["stages"].push_back(json_of(group.name, rows.back().second));
+      json["stages"].push_back(json_of(rows.back()));
       observer.progress(double(i + 1) / double(steps.size()));
     }
   }
   console.finish();
-  if (!outputs.plot.empty()) {
-    std::vector<BenchRow> charted;
-    for (const auto& [group, row] : rows) charted.push_back(row);
-    save_chart(outputs.plot, accelerators_chart(charted));
-  }
+  if (!outputs.plot.empty()) save_chart(outputs.plot, accelerators_chart(rows));
   if (history) {
     const BenchComparison comparison = history->compare(rows, ceilings.threads, slower);
     json["compared_with_history"] = comparison.compared;
@@ -265,8 +262,9 @@ void add_bench_command(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "--history", o->outputs.history,
-          "file of the rows of earlier runs, to which those of this run are added, a line of JSON each with commit "
-          "and processor; stages that are slower than the median of their last five rows there by more than 10 % are listed")
+          "file of the times of earlier runs, to which those of this run are added (for each stage a line of JSON with "
+          "its commit and processor); stages that are slower by more than 10 % than their last five times there "
+          "(median) are listed")
       ->type_name("FILE");
   command
       ->add_option("--device", o->device,

@@ -19,7 +19,6 @@ namespace holotrace {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using GroupedRow = std::pair<std::string, BenchRow>;
 
 bool is_row(const Json& json) {
   if (!json.is_object()) return false;
@@ -38,9 +37,9 @@ std::string device_of(const BenchRow& row) {
 }
 
 // Whether a row is of the same stage and job on the same machine.
-bool is_of(const Json& json, const std::string& group, const BenchRow& row, int threads) {
+bool is_of(const Json& json, const BenchRow& row, int threads) {
   return json["processor"] == cpu_name() && json["threads"] == threads && json["device"] == device_of(row) &&
-         json["group"] == group && json["stage"] == row.stage && json["job"] == row.job;
+         json["group"] == row.group && json["stage"] == row.stage && json["job"] == row.job;
 }
 
 // Whether the part of the ceiling tells more than the time: not if the ceiling is this program's own transform.
@@ -56,7 +55,8 @@ double median_of(std::vector<double> values) {
 
 BenchHistory::BenchHistory(std::string path) : path_(std::move(path)) {
   if (!is_there(path_)) return;
-  require(is_file(path_), "expected a file of earlier benches, got {}; name another file", path_);
+  require(is_file(path_), "{} is not a file on a disk, in which the times of earlier benches can be; name another file",
+          path_);
   // Not by read_text: a command's input may not be its output, too.
   std::ifstream file(path_, std::ios::binary);
   const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -73,16 +73,16 @@ BenchHistory::BenchHistory(std::string path) : path_(std::move(path)) {
   }
 }
 
-BenchComparison BenchHistory::compare(const std::vector<GroupedRow>& rows, int threads, double slower) const {
+BenchComparison BenchHistory::compare(const std::vector<BenchRow>& rows, int threads, double slower) const {
   constexpr size_t most = 5;  // earlier rows of a stage
   BenchComparison comparison;
-  for (const auto& [group, row] : rows) {
+  for (const BenchRow& row : rows) {
     if (!(row.seconds > 0)) continue;
     const bool is_part = has_outer_ceiling(row);
     const char* const measure = is_part ? "of_ceiling" : "seconds";
     std::vector<double> values;
     for (auto json = earlier_.rbegin(); json != earlier_.rend() && values.size() < most; ++json)
-      if (is_of(*json, group, row, threads) && json->contains(measure)) values.push_back((*json)[measure]);
+      if (is_of(*json, row, threads) && json->contains(measure)) values.push_back((*json)[measure]);
     if (values.empty()) continue;
     ++comparison.compared;
     const double before = median_of(values), now = is_part ? row.of_ceiling : row.seconds;
@@ -92,10 +92,10 @@ BenchComparison BenchHistory::compare(const std::vector<GroupedRow>& rows, int t
   return comparison;
 }
 
-void BenchHistory::append(const std::vector<GroupedRow>& rows, int threads) const {
+void BenchHistory::append(const std::vector<BenchRow>& rows, int threads) const {
   std::string text = ends_in_line_ ? "" : "\n";
   const std::string date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  for (const auto& [group, row] : rows) {
+  for (const BenchRow& row : rows) {
     if (!(row.seconds > 0)) continue;
     Json json{{"date", date},
               {"commit", source_commit},
@@ -103,7 +103,7 @@ void BenchHistory::append(const std::vector<GroupedRow>& rows, int threads) cons
               {"processor", cpu_name()},
               {"device", device_of(row)},
               {"threads", threads},
-              {"group", group},
+              {"group", row.group},
               {"stage", row.stage},
               {"job", row.job},
               {"seconds", row.seconds}};

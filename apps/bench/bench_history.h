@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bench/bench.h"
@@ -33,10 +32,10 @@ class BenchHistory {
   explicit BenchHistory(std::string path);
 
   /// Finds the stages that take more than `slower` times as long as before.
-  BenchComparison compare(const std::vector<std::pair<std::string, BenchRow>>& rows, int threads, double slower) const;
+  BenchComparison compare(const std::vector<BenchRow>& rows, int threads, double slower) const;
 
   /// Adds the rows to the end of the file. @throws Error if it cannot be written
-  void append(const std::vector<std::pair<std::string, BenchRow>>& rows, int threads) const;
+  void append(const std::vector<BenchRow>& rows, int threads) const;
 
  private:
   std::string path_;

@@ -88,7 +88,7 @@ TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
   const auto has = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
   };
-  EXPECT_TRUE(has(run(""), "history.jsonl has no earlier rows of these stages on this machine"));
+  EXPECT_TRUE(has(run(""), "history.jsonl has no earlier times of these stages on this machine"));
   const std::string rows = place.read("history.jsonl");
   const auto count = std::count(rows.begin(), rows.end(), '\n');
   int timed = 0;  // rows without a ceiling: those of exact and render
@@ -99,16 +99,17 @@ TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
     timed += !row.contains("of_ceiling");
   });
 
-  // Factors of a hundred stand out of the noise of short runs beside other programs. The last five rows count, older ones do not.
+  // Factors of a hundred stand out of the noise of short runs beside other programs.
   const auto found = [&](int64_t slower) {
-    return fmt::format("{} of {} stages that history.jsonl has rows of", slower, count);
+    return fmt::format("{} of the {} stages with earlier times in history.jsonl are slower", slower, count);
   };
   EXPECT_TRUE(has(run(faster(rows, 100)), found(count)));
   const std::string both = place.read("history.jsonl");
   EXPECT_EQ(std::count(both.begin(), both.end(), '\n'), 2 * count) << "rows are added";
   EXPECT_TRUE(has(run(faster(rows, 0.01)), found(0)));
-  std::string slow_then_fast = faster(rows, 0.01);
-  for (int n = 0; n < 5; ++n) slow_then_fast += faster(rows, 100);
+  // Of three slow runs and three fast ones after them, the last five are two slow and three fast ones, whose median is fast.
+  std::string slow_then_fast;
+  for (const double factor : {0.01, 0.01, 0.01, 100.0, 100.0, 100.0}) slow_then_fast += faster(rows, factor);
   EXPECT_TRUE(has(run(slow_then_fast), found(count)));
 
   // Where there is a ceiling, the part of it is compared, not the time: here only the time was shorter.
@@ -128,7 +129,7 @@ TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
     else
       row[names[number % 4]] = "another";
   });
-  EXPECT_TRUE(has(run(others), "has no earlier rows of these stages on this machine"));
+  EXPECT_TRUE(has(run(others), "has no earlier times of these stages on this machine"));
 
   EXPECT_TRUE(has(run(rows + "{\"stage\": 3}\n", 1),
                   fmt::format("history.jsonl: line {} is not a row of holotrace bench --history", count + 1)));

@@ -281,6 +281,17 @@ void write_down(const RayPacket& packet, bool are_shadows, Aim aim, std::vector<
           {{r.org_x[i], r.org_y[i], r.org_z[i]}, {r.dir_x[i], r.dir_y[i], r.dir_z[i]}, r.tfar[i], are_shadows, aim});
 }
 
+/// The bits of `asked` whose numbers pass a test.
+template <class Test>
+uint32_t bits_that(uint32_t asked, const Test& passes) {
+  uint32_t bits = 0;
+  for (uint32_t left = asked; left; left &= left - 1) {
+    const auto i = size_t(std::countr_zero(left));
+    bits |= uint32_t(passes(i)) << i;
+  }
+  return bits;
+}
+
 }  // namespace
 
 Accelerator::Accelerator(const Scene& scene, Acceleration kind)
@@ -342,14 +353,8 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
                                    std::span<Hit, most_together> hits) const {
   const Implementation& self = *implementation_;
   const auto ray = [&](size_t i) { return Ray{rays.origin[i], rays.direction[i]}; };
-  uint32_t bits = 0;
-  if (!self.are_together(asked, aim, are_near)) {
-    for (uint32_t left = asked; left; left &= left - 1) {
-      const auto i = size_t(std::countr_zero(left));
-      bits |= uint32_t(closest_hit(ray(i), hits[i], aim)) << i;
-    }
-    return bits;
-  }
+  if (!self.are_together(asked, aim, are_near))
+    return bits_that(asked, [&](size_t i) { return closest_hit(ray(i), hits[i], aim); });
   RayPacket packet;
   fill_packet(rays, asked, precision_, packet);
   if (log_) write_down(packet, false, aim, *log_);
@@ -362,14 +367,13 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
     rtcIntersect16(packet.valid.data(), self.tree_for(aim), &context, &packet.query);
   }
   const auto& [query, found] = packet.query;
-  for (size_t i = 0; i < packet.valid.size(); ++i) {
-    if (!packet.valid[i] || found.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+  return bits_that(asked, [&, &query = query, &found = found](size_t i) {
+    if (!packet.valid[i] || found.geomID[i] == RTC_INVALID_GEOMETRY_ID) return false;
     const double distance = (packet.skipped[i] + double(query.tfar[i])) * precision_.unit;
     self.describe(ray(i), {distance, found.geomID[i], found.primID[i], double(found.u[i]), double(found.v[i])},
                   hits[i]);
-    bits |= 1U << i;
-  }
-  return bits;
+    return true;
+  });
 }
 
 bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
@@ -407,14 +411,10 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
 
 uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bool are_near) const {
   const Implementation& self = *implementation_;
-  uint32_t bits = 0;
-  if (!self.are_together(asked, aim, are_near)) {
-    for (uint32_t left = asked; left; left &= left - 1) {
-      const auto i = size_t(std::countr_zero(left));
-      bits |= uint32_t(is_occluded({rays.origin[i], rays.direction[i]}, rays.distance[i], aim)) << i;
-    }
-    return bits;
-  }
+  if (!self.are_together(asked, aim, are_near))
+    return bits_that(asked, [&](size_t i) {
+      return is_occluded({rays.origin[i], rays.direction[i]}, rays.distance[i], aim);
+    });
   RayPacket packet;
   fill_packet(rays, asked, precision_, packet);
   if (log_) write_down(packet, true, aim, *log_);
@@ -425,9 +425,7 @@ uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bo
     rtcInitIntersectContext(&context);
     rtcOccluded16(packet.valid.data(), self.tree_for(aim), &context, &packet.query.ray);
   }
-  for (size_t i = 0; i < packet.valid.size(); ++i)
-    if (packet.valid[i] && packet.query.ray.tfar[i] < 0) bits |= 1U << i;
-  return bits;
+  return bits_that(asked, [&](size_t i) { return packet.valid[i] && packet.query.ray.tfar[i] < 0; });
 }
 
 int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {

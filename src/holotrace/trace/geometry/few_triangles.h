@@ -21,17 +21,18 @@ namespace holotrace {
 /// pass between two triangles.
 class FewTriangles {
  public:
-  /// Scenes of more triangles are faster with trees.
+  /// Largest number of triangles for which this is used. With AVX2, trees are faster from 90 on, with AVX-512 from 150
+  /// (docs/explanation/performance.md).
   static constexpr size_t most = 64;
 
   /// Adds a triangle. One without area is never met.
   /// @param corners  in the coordinates of the rays
   void add(const std::array<Vec3, 3>& corners, uint32_t mesh, uint32_t triangle);
 
-  /// What rtcIntersect16 does.
+  /// Finds the first triangle on each ray of the packet, and writes it there as Embree's rtcIntersect16 does.
   void closest_hits(RayPacket& packet) const;
 
-  /// What rtcOccluded16 does.
+  /// Finds the rays on which there is a triangle, and marks them as Embree's rtcOccluded16 does.
   void find_occluded(RayPacket& packet) const;
 
   /// A triangle, or two that make the parallelogram of corners a, b, c and b + c − a.

@@ -70,7 +70,6 @@ class GroupWalk {
     else
       for (int path = 0; path < count; ++path) {
         walk_.set_start(start);
-        of_path(uint32_t(path));
         follow_alone(uint32_t(path));
       }
   }
