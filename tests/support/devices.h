@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/data/params/device.h"
 #include "holotrace/opencl/device.h"
+#include "holotrace/wave/shared/cost_model.h"
 
 // Tests of stages run on the processor and on every OpenCL device of the machine. scripts/setup installs PoCL, so that
 // there is at least one.
@@ -40,9 +42,20 @@ inline std::string device_name_of(const ::testing::TestParamInfo<DeviceChoice>& 
   return device_name(info.param);
 }
 
-/// Tests with a parameter int, the number of a device.
+/// Whatever processor runs the test, forecasts take it for one that has these rates with all of its threads together.
+inline void set_processor_rates(SummationRates rates) {
+  for (const SummationTerm& term : summation_terms) rates.*term.rate /= processor_threads();
+  set_summation_rates([rates] { return rates; });
+}
+
+/// Tests with a parameter int, the number of a device. What they change of it is undone at the end, also if they fail.
 class OnEveryDevice : public ::testing::TestWithParam<int> {
  protected:
+  ~OnEveryDevice() override {
+    device_.limit_memory(0);
+    device_.guard_buffers(false);
+    device_.limit_groups(0);
+  }
   Device& device_ = open_device(GetParam());
 };
 

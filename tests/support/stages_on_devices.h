@@ -1,7 +1,6 @@
 #pragma once
 
 #include "holotrace/wave/propagate/propagate_on_device.h"
-#include "holotrace/wave/shared/cost_model.h"
 #include "holotrace/wave/shared/stage_on_device.h"
 #include "support/devices.h"
 
@@ -16,7 +15,6 @@ class StagesOnDevices : public OnEveryDevice {
     buffers_ = device_.use().buffers;
   }
   ~StagesOnDevices() override {
-    device_.limit_memory(0);
     drop_device_propagators();
     EXPECT_EQ(device_.use().buffers, buffers_) << "all memory is released";
     set_summation_rates({});
@@ -37,9 +35,7 @@ class StagesOnDevices : public OnEveryDevice {
 
   /// A processor that takes seconds for a propagation, and a device whose speed is this part of what keeps up with it.
   void make_device_fast(double moved_bytes) const {
-    SummationRates slow;
-    slow.samples = 1e4;
-    set_summation_rates([slow] { return slow; });
+    set_processor_rates({.samples = 2e4});
     const int number = device_.info().number;
     set_device_rates([=](Device& device) {
       return device.info().number == number ? DeviceRates{0, 1e15, moved_bytes} : DeviceRates();

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <future>
-#include <thread>
 
 #include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/show.h"
@@ -220,9 +219,7 @@ TEST_P(DeviceChains, AreChosenByWhereTheLightIs) {
     chain.camera.eye.z = has_pupil ? 10_mm : 0;
     const PlacedField here = shown(chain), light = shown(there(chain));
     seen(here, there(chain));  // the transfer functions are on the device
-    SummationRates slow;
-    slow.samples = 1e4;
-    set_summation_rates([slow] { return slow; });
+    test::set_processor_rates({.samples = 2e4});
     const double seconds = has_pupil ? PropagationForecast(chain.slm.grid, test_wavelength, 10_mm, {}).on_processor()
                                      : PropagationForecast(chain.slm.grid, test_wavelength, -20_mm, {}).on_processor();
     // Of the bytes that are transferred: 8 per sample of the field, 4 per pixel of the picture.
@@ -247,8 +244,7 @@ TEST_P(DeviceChains, ShowOnADeviceThatIsFasterWithoutFetchingTheField) {
   const PanelModel panel(chain.slm, chain.show, Modulation::phase, chain.slm.levels, 0,
                          {.wavelength = test_wavelength});
   make_device_fast(1e15);
-  const double seconds =
-      predict_seconds(panel.work(), summation_rates(), int(std::max(1U, std::thread::hardware_concurrency())));
+  const double seconds = processor_seconds(panel.work());
   const Array2D<float> drive(chain.slm.grid.ny, chain.slm.grid.nx);
   const DeviceUse use = forecast_panel(device_, panel, {drive}, false, 1e9).use;
   const double bytes = double(use.bytes_in + use.bytes_out / 2) / seconds;
@@ -405,8 +401,7 @@ TEST_P(DeviceChains, CountTheReturnOfLightThatIsNeededOnTheProcessor) {
   const PlacedField light = shown(chain);
   make_device_fast(1e15);
   const int margin = order_stop_margin(*chain.filter, light.head().grid);
-  const double seconds = predict_seconds(order_stop_cost(light.head().grid, *chain.filter, margin).work,
-                                         summation_rates(), int(std::max(1U, std::thread::hardware_concurrency())));
+  const double seconds = processor_seconds(order_stop_cost(light.head().grid, *chain.filter, margin).work);
   const double bytes = 1.5 * 8 * double(light.head().grid.pixels()) / seconds;
   const int number = device_.info().number;
   set_device_rates([=](Device& device) {

@@ -86,4 +86,6 @@ int thread_count() {
   return std::max(1, std::min(int(allowed), tbb::this_task_arena::max_concurrency()));
 }
 
+int processor_threads() { return int(std::max(1U, std::thread::hardware_concurrency())); }
+
 }  // namespace holotrace

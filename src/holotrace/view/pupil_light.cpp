@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <thread>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -79,10 +78,7 @@ class PathForecast {
     bytes_out_ = propagation_ ? propagation_->bytes_out() : sizeof(std::complex<float>) * double(grid.pixels());
   }
   double on_processor() const {
-    const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
-    const auto of_stop = [&] {
-      return predict_seconds(order_stop_cost(shown_, *path_.stop, path_.margin).work, summation_rates(), threads);
-    };
+    const auto of_stop = [&] { return processor_seconds(order_stop_cost(shown_, *path_.stop, path_.margin).work); };
     return (path_.stop ? of_stop() : 0) + (propagation_ ? propagation_->on_processor() : 0);
   }
   double on_device(Device& device, bool returns) const {

@@ -8,7 +8,6 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "holotrace/base/error.h"
@@ -73,9 +72,7 @@ double seconds_on_devices(const PartPlan& plan, const PixelBox& bounds, const Su
       plan.far.empty() ? 0 : plan.planes.seconds * rows_computed_by_one(rows, way.devices.size(), shape, block) / rows;
   // Far waves are sent twice: for their whole tiles, and for what they light of others. Each device gets all waves.
   const size_t sent = way.devices.size() * (plan.near.size() + 2 * plan.far.size());
-  // On all cores, whatever --threads says: the choice must not depend on it.
-  const double sorting =
-      seconds_to_sort_and_cut * double(plan.far.size()) / std::max(1U, std::thread::hardware_concurrency());
+  const double sorting = seconds_to_sort_and_cut * double(plan.far.size()) / processor_threads();
   return by_tiles + by_planes + transferred_bytes(sent, way.stays ? PixelBox{} : bounds) / rates.bytes + sorting +
          seconds_of_start;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -99,8 +98,7 @@ Device* fastest_device_for(const Sources& sources, const Grid& grid, const Synth
     const SumForecast forecast = forecast_sum(sources, grid, params.tolerance, {approach, device, !returns});
     return forecast.method.empty() ? infinite : forecast.seconds;
   };
-  // On all cores, whatever --threads says: the choice, and so the bytes, must not depend on it.
-  const double on_processor = seconds(nullptr) * thread_count() / std::max(1U, std::thread::hardware_concurrency());
+  const double on_processor = seconds(nullptr) * thread_count() / processor_threads();
   return fastest_device(on_processor, [&](Device& device) { return seconds(&device); });
 }
 

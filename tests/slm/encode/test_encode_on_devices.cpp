@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <thread>
 
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/blank_hologram.h"
@@ -393,9 +392,7 @@ TEST_P(EncodeOnDevices, AreChosenByTheTransfersOfTheirBands) {
   });
   leave_memory(4e3);
   for (const double seconds : {0.344, 0.355}) {
-    SummationRates slow;
-    slow.samples = 2 * 1850 / seconds / std::max(1U, std::thread::hardware_concurrency());
-    set_summation_rates([slow] { return slow; });
+    test::set_processor_rates({.samples = 2 * 1850 / seconds});
     const size_t before = device_.use().kernels;
     encode(drawn_field(one.slm.grid), one.slm, automatic(one.params));
     EXPECT_EQ(device_.use().kernels > before, seconds > 0.35) << seconds;
@@ -407,9 +404,7 @@ TEST_P(EncodeOnDevices, AreChosenByWhereTheFieldIs) {
   const Field field = drawn_field(one.slm.grid);
   const PlacedField light = there(field);
   // The processor takes 0.1 s; 8 bytes of each of 1850 samples take 0.15 s on their way, the levels 0.04 s.
-  SummationRates slow;
-  slow.samples = 2 * 1850 / 0.1 / std::max(1U, std::thread::hardware_concurrency());
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates({.samples = 2 * 1850 / 0.1});
   const int number = device_.info().number;
   set_device_rates([=](Device& device) {
     return device.info().number == number ? DeviceRates{0, 1e5, 1e15} : DeviceRates();
@@ -432,9 +427,7 @@ TEST_P(EncodeOnDevices, AreChosenByWhereTheFieldIs) {
 // The processor takes 1850·5·(log₂50 + log₂37)/1e5 = 1 s for a transform, and some µs for all else. The way to the device and
 // back takes 8·1850/1e5 + 2·1850/1e5 = 0.2 s.
 TEST_P(EncodeOnDevices, AreChosenByTheirTransforms) {
-  SummationRates slow;
-  slow.fft_operations = 1e5 / std::max(1U, std::thread::hardware_concurrency());
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates({.fft_operations = 1e5});
   const int number = device_.info().number;
   set_device_rates([=](Device& device) {
     return device.info().number == number ? DeviceRates{0, 1e5, 1e15} : DeviceRates();

@@ -22,10 +22,8 @@ class AutomaticPropagation : public PropagationOnDevices {
  protected:
   AutomaticPropagation() {
     params_.device = {DeviceKind::automatic};
-    // The processor takes more than 66 · 49 · 8 samples / 1e3 = 26 s: waiting for the transfers of many bands takes less.
-    SummationRates rates;
-    rates.samples = 1e3;
-    set_summation_rates([rates] { return rates; });
+    // The processor takes more than 66 · 49 · 8 samples / 2e3 = 13 s: waiting for the transfers of many bands takes less.
+    test::set_processor_rates({.samples = 2e3});
   }
   void give_devices(const DeviceRates& rates) {
     const int number = device_.info().number;

@@ -181,9 +181,8 @@ TEST_P(BandedPropagationTest, DoesWhatIsForecast) {
 }
 
 TEST_P(BandedPropagationTest, IsTakenByAutoIfItIsFaster) {
-  SummationRates slow;
-  slow.samples = 1e3;  // the processor takes more than 26 s, much more than waiting for transfers
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates(
+      {.samples = 2e3});  // the processor takes more than 13 s, much more than waiting for transfers
   PropagateParams automatic;
   automatic.device = {DeviceKind::automatic};
   const auto runs_on_device = [&](const DeviceRates& rates) {

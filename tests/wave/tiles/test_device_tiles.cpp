@@ -18,7 +18,16 @@ using namespace literals;
 using test::make_random_sources;
 using test::relative_error;
 
-class DeviceTiles : public test::OnEveryDevice {};
+class DeviceTiles : public test::OnEveryDevice {
+ protected:
+  // The device, said to have so many units: 2 sum the waves of the 35 tiles of 32 x 32 below in one piece. 100 want 800 groups,
+  // and so slices of the waves, 512 or more in each.
+  Device with_units(int units) const {
+    DeviceInfo info = device_.info();
+    info.compute_units = units;
+    return Device(info);
+  }
+};
 
 HOLOTRACE_FOR_ALL_DEVICES(DeviceTiles);
 
@@ -150,28 +159,25 @@ TEST_P(DeviceTiles, SendTheWavesFetchTheSamplesAndNothingElse) {
 constexpr double memory_for_two_parts = 600e3, memory_for_small_bands = 450e3;
 
 TEST_P(DeviceTiles, GiveTheSameBytesInAnyMemory) {
+  Device device = with_units(2);
   const Sources sources = drawn_sources(9000);
-  const Field whole = sum_on(device_, sources, {32, 32});
-  EXPECT_EQ(sum_on(device_, sources, {32, 32}).samples.values, whole.samples.values);
+  const Field whole = sum_on(device, sources, {32, 32});
+  EXPECT_EQ(sum_on(device, sources, {32, 32}).samples.values, whole.samples.values);
   for (const double memory : {memory_for_two_parts, memory_for_small_bands}) {
-    const size_t before = device_.use().bytes_in;
-    device_.limit_memory(memory);
-    EXPECT_EQ(sum_on(device_, sources, {32, 32}).samples.values, whole.samples.values) << memory;
-    EXPECT_GE(device_.use().bytes_in - before, 2 * 48 * prepare_waves(sources, panel).size()) << "sent for every band";
+    const size_t before = device.use().bytes_in;
+    device.limit_memory(memory);
+    EXPECT_EQ(sum_on(device, sources, {32, 32}).samples.values, whole.samples.values) << memory;
+    EXPECT_GE(device.use().bytes_in - before, 2 * 48 * prepare_waves(sources, panel).size()) << "sent for every band";
   }
-  device_.limit_memory(200e3);
-  EXPECT_THROW(sum_on(device_, sources, {32, 32}), Error);
-  device_.limit_memory(0);
-  EXPECT_EQ(device_.use().buffers, 0u);
+  device.limit_memory(200e3);
+  EXPECT_THROW(sum_on(device, sources, {32, 32}), Error);
+  EXPECT_EQ(device.use().buffers, 0u);
 }
 
-// A device of 100 units wants 800 groups: 35 tiles of 32 x 32 are summed in slices of the waves, 512 or more in each.
 TEST_P(DeviceTiles, GiveTheSameSumInSlicesOfTheWaves) {
-  DeviceInfo many_units = device_.info();
-  many_units.compute_units = 100;
-  Device sliced(many_units);
+  Device at_once = with_units(2), sliced = with_units(100);
   const Sources sources = drawn_sources(9000);
-  const Field whole = sum_on(device_, sources, {32, 32}), in_slices = sum_on(sliced, sources, {32, 32});
+  const Field whole = sum_on(at_once, sources, {32, 32}), in_slices = sum_on(sliced, sources, {32, 32});
   EXPECT_NE(in_slices.samples.values, whole.samples.values) << "added in another order";
   EXPECT_LT(relative_error(in_slices, whole), 1e-5);  // rounding of sums of 9000 waves
   EXPECT_EQ(sliced.use().bytes_out, 8u * size_t(panel.pixels())) << "slices are added on the device";
@@ -220,10 +226,10 @@ TEST_P(DeviceTiles, ReportProgressUpToTheWhole) {
   Observer observer;
   observer.on_progress = [&](double fraction) { fractions.push_back(fraction); };
   Field field(panel, green);
-  device_.limit_memory(memory_for_small_bands);
-  sum_tiles_on_device(device_, prepare_waves(drawn_sources(9000), panel), {panel, green}, {32, 32},
+  Device device = with_units(2);
+  device.limit_memory(memory_for_small_bands);
+  sum_tiles_on_device(device, prepare_waves(drawn_sources(9000), panel), {panel, green}, {32, 32},
                       {0, panel.nx, 0, panel.ny}, field.samples, observer);
-  device_.limit_memory(0);
   ASSERT_GE(fractions.size(), 4u);
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   EXPECT_NEAR(fractions.back(), 1, 1e-12);

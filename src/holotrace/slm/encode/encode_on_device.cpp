@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -115,8 +114,7 @@ std::optional<Hologram> encode_on(Device& device, const PlacedField& field, cons
 
 Device* fastest_to_encode(const PlacedField& field, const Hologram& blank, const PhaseLevels& levels,
                           const EncodeParams& params) {
-  const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
-  const double on_processor = predict_seconds(work_of_processor(params, field.head()), summation_rates(), threads);
+  const double on_processor = processor_seconds(work_of_processor(params, field.head()));
   return fastest_device(field.seconds_to_processor() + on_processor, [&](Device& device) {
     const EncodeForecast forecast =
         forecast_encoding(device, field.head(), blank, levels, params, room_for(device, field));

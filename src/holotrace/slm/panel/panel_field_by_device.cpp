@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <complex>
 #include <limits>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -158,8 +157,7 @@ auto compute_where_chosen(const PanelModel& panel, const PanelModel::Pattern& pa
                           bool may_stay, const Observer& observer, const Compute& compute) {
   if (choice.kind != DeviceKind::cpu) panel.check_pattern(pattern.drive, pattern.modulus);
   const auto fastest = [&] {
-    const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
-    return fastest_device(predict_seconds(panel.work(), summation_rates(), threads), [&](Device& there) {
+    return fastest_device(processor_seconds(panel.work()), [&](Device& there) {
       const PanelForecast forecast = forecast_panel(there, panel, pattern, may_stay, possible_room(there));
       if (!forecast.fits) return std::numeric_limits<double>::infinity();
       return predict_seconds(forecast.use, device_rates(there));

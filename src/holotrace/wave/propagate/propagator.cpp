@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -188,8 +187,7 @@ SummationWork propagation_work(const Propagator<float>& plan) {
 }
 
 double seconds_to_propagate(const Propagator<float>& plan) {
-  const int threads = int(std::max(1U, std::thread::hardware_concurrency()));
-  return from_memory * predict_seconds(propagation_work(plan), summation_rates(), threads);
+  return from_memory * processor_seconds(propagation_work(plan));
 }
 
 namespace {

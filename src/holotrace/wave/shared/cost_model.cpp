@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/machine.h"
 
 namespace holotrace {
 namespace {
@@ -51,6 +52,10 @@ SummationRates summation_rates() {
     if (machine().measure) machine().rates = machine().measure();
   }
   return *machine().rates;
+}
+
+double processor_seconds(const SummationWork& work) {
+  return predict_seconds(work, summation_rates(), processor_threads());
 }
 
 }  // namespace holotrace

@@ -18,6 +18,9 @@ namespace holotrace {
 /// thread. It is accurate to some 30 %, which is enough to choose a method.
 double predict_seconds(const SummationWork& work, const SummationRates& rates, int threads);
 
+/// The same with this machine's rates and all threads of its processor.
+double processor_seconds(const SummationWork& work);
+
 /// 5·N·log₂N: the usual count of operations for a transform of N samples (Frigo and Johnson, 2005).
 double fft_operations(double samples);
 

@@ -185,9 +185,7 @@ TEST_P(ProjectionDevices, AreChosenByTheWorkOfAllPlanes) {
   const std::vector<TargetPlane> targets = one_.targets();
   int taken = 0;
   for (double bytes = 1; bytes < 1e12; bytes *= 1.3) {
-    SummationRates slow;
-    slow.samples = 1e4;
-    set_summation_rates([slow] { return slow; });
+    test::set_processor_rates({.samples = 2e4});
     set_device_rates([=](Device&) { return DeviceRates{0, bytes, 1e15}; });
     EncodeParams all = automatic(one_.params), one_plane = all;
     all.planes_per_update = 0;

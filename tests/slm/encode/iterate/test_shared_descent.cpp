@@ -170,9 +170,7 @@ TEST_F(SeveralDescentDevices, StopIfOneOfThemFails) {
 TEST_F(SeveralDescentDevices, GiveWayToTheProcessorIfOneOfThemFails) {
   DescentCase one{"eight frames", 8};
   one.params.iterations = 1;
-  SummationRates slow;
-  slow.samples = 1e4;
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates({.samples = 2e4});
   set_device_rates([=](Device&) { return DeviceRates{0, 1e12, 1e9}; });
   const EncodeParams automatic = on(one.params, {DeviceKind::automatic});
   ASSERT_EQ(devices_for_descent(one.targets().planes, {one.slm, automatic}, 8).size(), 2u);
@@ -187,9 +185,7 @@ TEST_F(SeveralDescentDevices, GiveWayToTheProcessorIfOneOfThemFails) {
 // Rates for which one device takes 10 ms for 8 frames. A slow bus makes the exchange cost more than it saves.
 TEST_F(SeveralDescentDevices, AreTakenByAutoIfTheirExchangePays) {
   const DescentCase one{"eight frames", 8};
-  SummationRates slow;
-  slow.samples = 1e4;
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates({.samples = 2e4});
   const auto chosen = [&](double bus, size_t frames) {
     set_device_rates([=](Device&) { return DeviceRates{0, bus, 1e9}; });
     const EncodeParams params = on(one.params, {DeviceKind::automatic});
@@ -273,9 +269,7 @@ TEST_P(StreamedDescents, TakeTheMemoryOfKeptTransferFunctions) {
 TEST_P(StreamedDescents, CountForAuto) {
   DescentCase one{"eight frames", 8};
   one.params.target_distances = {0.006};
-  SummationRates slow;
-  slow.samples = 1e6;
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates({.samples = 2e6});
   const auto is_taken = [&](double bus) {
     set_device_rates([=](Device&) { return DeviceRates{0, bus, 1e12}; });
     return !devices_for_descent(one.targets().planes, {one.slm, automatic(one.params)}, 8).empty();

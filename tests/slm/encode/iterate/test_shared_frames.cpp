@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "holotrace/base/archive.h"
 #include "holotrace/data/members.h"
@@ -205,9 +204,7 @@ TEST_P(SharedFramesOnDevices, CountTheirExchangeForAuto) {
   one.params.target_distances = {0.006};
   one.params.iterations = 200;
   const DescentSetup setup{one.slm, automatic(one.params)};
-  SummationRates slow;
-  slow.samples = slow.fft_operations = 1e6 / std::max(1U, std::thread::hardware_concurrency());
-  set_summation_rates([slow] { return slow; });
+  test::set_processor_rates({.fft_operations = 1e6, .samples = 1e6});
   const auto takes_device = [&](double bytes, const SharedCount& frames) {
     set_device_rates([=](Device&) { return DeviceRates{0, bytes, 1e15}; });
     return common_device(one.targets().planes, setup, frames, {}).kind == DeviceKind::opencl;
