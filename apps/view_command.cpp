@@ -16,6 +16,7 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
+#include "holotrace/base/aligned_memory.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/folders.h"
 #include "holotrace/viewer/answers.h"
@@ -167,6 +168,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::fflush(stdout);
     if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
     std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
+    keep_freed_memory(size_t(256) << 20);  // for the arrays of the next picture, which are those of the last one
     listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
     link.reset();
     std::_Exit(0);  // at once: nobody waits for the pictures that are being computed

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -30,6 +32,24 @@ TEST(AlignedMemory, ThatNoMachineHasIsRefused) {
   EXPECT_THROW(AlignedAllocator<double>().allocate(size_t(-1) / 12), std::bad_alloc);
 }
 
+TEST(AlignedMemory, OfBlocksThatAreUsedAtOnceIsNeverShared) {
+  // Blocks that are kept come back; two that are held at once must differ.
+  constexpr size_t bytes = size_t(6) << 20;
+  for (int round = 0; round < 3; ++round) {
+    std::vector<unsigned char*> blocks;
+    for (unsigned char n = 0; n < 16; ++n) {  // more than are kept
+      blocks.push_back(static_cast<unsigned char*>(allocate_aligned(bytes - n)));
+      blocks.back()[0] = blocks.back()[bytes - n - 1] = n;
+    }
+    for (unsigned char n = 0; n < 16; ++n) {
+      EXPECT_EQ(blocks[n][0], n);
+      EXPECT_EQ(blocks[n][bytes - n - 1], n);
+      free_aligned(blocks[n], bytes - n);
+    }
+  }
+}
+
+#if !defined(__SANITIZE_ADDRESS__)  // for which all memory is the heap's
 // Whether the kernel was asked for huge pages of a place: "hg" among its flags.
 bool asks_for_huge_pages(const void* place) {
   std::ifstream maps("/proc/self/smaps");
@@ -50,36 +70,56 @@ TEST(AlignedMemory, OfLargeArraysIsOnHugePages) {
   EXPECT_FALSE(asks_for_huge_pages(small.data()));
 }
 
-TEST(AlignedMemory, OfBlocksThatAreUsedAtOnceIsNeverShared) {
-  // Blocks that are kept come back; two that are held at once must differ.
-  constexpr size_t bytes = size_t(6) << 20;
-  for (int round = 0; round < 3; ++round) {
-    std::vector<unsigned char*> blocks;
-    for (unsigned char n = 0; n < 16; ++n) {  // more than are kept
-      blocks.push_back(static_cast<unsigned char*>(allocate_aligned(bytes - n)));
-      blocks.back()[0] = blocks.back()[bytes - n - 1] = n;
-    }
-    for (unsigned char n = 0; n < 16; ++n) {
-      EXPECT_EQ(blocks[n][0], n);
-      EXPECT_EQ(blocks[n][bytes - n - 1], n);
-      free_aligned(blocks[n], bytes - n);
-    }
-  }
+// The memory of this process, from /proc/self/statm in pages.
+double resident() {
+  size_t all = 0, pages = 0;
+  std::ifstream("/proc/self/statm") >> all >> pages;
+  return double(pages) * 4096;
 }
 
-#if !defined(__SANITIZE_ADDRESS__)  // the sanitizer keeps what is freed, to see its use
-TEST(AlignedMemory, ThatIsKeptIsLittle) {
-  // The memory of this process after many large arrays were freed, from /proc/self/statm in pages.
-  const auto resident = [] {
-    size_t all = 0, pages = 0;
-    std::ifstream("/proc/self/statm") >> all >> pages;
-    return double(pages) * 4096;
-  };
-  const double before = resident();
+void free_many_large_arrays() {
   for (size_t megabytes = 10; megabytes < 60; megabytes += 2) AlignedVector<char> touched(megabytes << 20, 1);
+}
+
+TEST(AlignedMemory, ThatIsKeptIsLittle) {
+  const double before = resident();
+  free_many_large_arrays();
   EXPECT_LT(resident() - before, 80e6);  // 64 MiB, and what the heap keeps
 }
+
+TEST(AlignedMemory, ThatIsKeptIsAsMuchAsIsAsked) {
+  keep_freed_memory(0);
+  const double before = resident();
+  keep_freed_memory(size_t(256) << 20);
+  free_many_large_arrays();
+  EXPECT_GT(resident() - before, 180e6);  // the last arrays that 256 MiB hold whole, at most 58 MiB less
+  EXPECT_LT(resident() - before, 290e6);
+  keep_freed_memory(size_t(64) << 20);
+  EXPECT_LT(resident() - before, 80e6);
+}
 #endif
+
+// Only arrays that ask for it are not set; what they hand on sets its values again.
+TEST(AlignedMemory, OfUnsetArraysIsAsItWas) {
+  constexpr int side = 1024;
+  {
+    Array2D<float> old(side, side, 7);  // kept for the next of its size, unless a sanitizer frees it
+  }
+  auto array = Array2D<float>::unset(side, side);
+  EXPECT_EQ(array.nx, side);
+  EXPECT_EQ(array.size(), size_t(side) * side);
+#if !defined(__SANITIZE_ADDRESS__)
+  EXPECT_EQ(array.values.front(), 7);
+  EXPECT_EQ(array.values.back(), 7);
+#endif
+  std::fill(array.values.begin(), array.values.end(), 3.0F);
+  AlignedVector<float> copy = array.values, moved = std::move(array.values);
+  for (AlignedVector<float>* values : {&copy, &moved}) {
+    EXPECT_EQ(values->front(), 3);
+    values->resize(size_t(2) * side * side);
+    EXPECT_EQ(values->back(), 0) << "what an array grows by is 0";
+  }
+}
 
 }  // namespace
 }  // namespace holotrace

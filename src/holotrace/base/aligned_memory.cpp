@@ -2,6 +2,7 @@
 
 #include <sys/mman.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <deque>
 #include <mutex>
@@ -12,9 +13,27 @@ namespace {
 
 constexpr size_t huge_page = size_t(2) << 20, page = 4096, line = 128;
 
+#if defined(__SANITIZE_ADDRESS__)
+bool is_large(size_t) { return false; }  // the sanitizer watches the heap alone
+#else
 bool is_large(size_t bytes) { return bytes >= huge_page; }
+#endif
 
 size_t whole_pages(size_t bytes) { return (bytes + page - 1) / page * page; }
+
+// Memory from the system, in whole pages and at a huge one. Memory of the heap would stay there when it is freed.
+void* map(size_t bytes) {
+  void* const all = mmap(nullptr, bytes + huge_page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (all == MAP_FAILED) throw std::bad_alloc();
+  auto* const first = static_cast<char*>(all);
+  const size_t before = (huge_page - reinterpret_cast<uintptr_t>(all) % huge_page) % huge_page;
+  if (before > 0) munmap(first, before);
+  munmap(first + before + bytes, huge_page - before);
+  madvise(first + before, bytes, MADV_HUGEPAGE);  // a hint: the memory is as good without it
+  return first + before;
+}
+
+void unmap(void* memory, size_t bytes) { munmap(memory, bytes); }
 
 // Large blocks that were freed, the oldest first.
 class KeptBlocks {
@@ -35,27 +54,33 @@ class KeptBlocks {
   // Keeps a block in the place of the oldest ones, or frees it.
   void put(void* memory, size_t bytes) {
     const std::lock_guard lock(mutex_);
-    if (bytes > most) return std::free(memory);
+    if (bytes > most_) return unmap(memory, bytes);
     blocks_.push_back({memory, bytes});
-    for (bytes_ += bytes; bytes_ > most; blocks_.pop_front()) {
-      bytes_ -= blocks_.front().bytes;
-      std::free(blocks_.front().memory);
-    }
+    bytes_ += bytes;
+    drop();
+  }
+
+  void keep(size_t most) {
+    const std::lock_guard lock(mutex_);
+    most_ = most;
+    drop();
   }
 
  private:
-#if defined(__SANITIZE_ADDRESS__)
-  static constexpr size_t most = 0;  // the sanitizer sees uses of freed memory
-#else
-  static constexpr size_t most = size_t(64) << 20;
-#endif
+  void drop() {
+    for (; bytes_ > most_; blocks_.pop_front()) {
+      bytes_ -= blocks_.front().bytes;
+      unmap(blocks_.front().memory, blocks_.front().bytes);
+    }
+  }
+
   struct Block {
     void* memory;
     size_t bytes;
   };
   std::mutex mutex_;
   std::deque<Block> blocks_;
-  size_t bytes_ = 0;
+  size_t bytes_ = 0, most_ = size_t(64) << 20;
 };
 
 KeptBlocks& kept() {
@@ -65,14 +90,16 @@ KeptBlocks& kept() {
 
 }  // namespace
 
+void keep_freed_memory(size_t bytes) { kept().keep(bytes); }
+
 void* allocate_aligned(size_t bytes) {
   if (bytes > size_t(-1) / 2) throw std::bad_alloc();
-  const size_t whole = is_large(bytes) ? whole_pages(bytes) : bytes;
-  if (is_large(bytes))
-    if (void* const memory = kept().take(whole)) return memory;
+  if (is_large(bytes)) {
+    void* const kept_block = kept().take(whole_pages(bytes));
+    return kept_block ? kept_block : map(whole_pages(bytes));
+  }
   void* memory = nullptr;
-  if (posix_memalign(&memory, is_large(bytes) ? huge_page : line, whole) != 0) throw std::bad_alloc();
-  if (is_large(bytes)) madvise(memory, whole, MADV_HUGEPAGE);  // a hint: the memory is as good without it
+  if (posix_memalign(&memory, line, bytes) != 0) throw std::bad_alloc();
   return memory;
 }
 

@@ -40,6 +40,16 @@ struct BasicField {
   BasicField() = default;
   BasicField(const Grid& grid, double wavelength, double z = 0)
       : grid(grid), wavelength(wavelength), z(z), samples(grid.ny, grid.nx) {}
+
+  /// A field whose samples are anything until they are set (Array2D::unset).
+  static BasicField unset(const Grid& grid, double wavelength, double z = 0) {
+    BasicField field;
+    field.grid = grid;
+    field.wavelength = wavelength;
+    field.z = z;
+    field.samples = Array2D<std::complex<Real>>::unset(grid.ny, grid.nx);
+    return field;
+  }
 };
 
 using Field = BasicField<float>;

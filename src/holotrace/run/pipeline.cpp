@@ -299,7 +299,7 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
       report_lit_render(references[d].image, o);
       // Without a pupil the render is the target picture, whose peak the metrics refer to.
       if (aims && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
-        o.fact("psnr_of_target_db", compare(references[d].image, view).psnr);
+        o.fact("psnr_of_target_db", scaled_error(references[d].image, view).psnr);
     });
   b.views_beside = images_of(b.viewpoints, sums, ViewKind::beside);
   read_views(b.views_beside, b.white, ViewKind::beside, job.camera);

@@ -86,7 +86,7 @@ BrightMetrics bright_metrics(const ViewReference& reference, const Image& view, 
 }
 
 BrightMetrics report_quick_metrics(const ViewReference& reference, const Image& view, const Observer& observer) {
-  const Metrics metrics = compare(reference.mean, view);
+  const ScaledError metrics = scaled_error(reference.mean, view);
   const double peak = *std::max_element(reference.image.values.begin(), reference.image.values.end());
   const Noise noise = noise_of(reference, peak);
   const double error = metrics.rms_error * metrics.rms_error;

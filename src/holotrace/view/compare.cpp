@@ -13,7 +13,29 @@
 namespace holotrace {
 namespace {
 
+/// Sums over all values of an image: add(i, sums) adds value i to its row's. They do not depend on the number of threads.
+template <size_t count, class Add>
+std::array<double, count> sums_over(const Image& image, const Add& add) {
+  using Sums = std::array<double, count>;
+  const size_t in_row = size_t(image.nx) * size_t(image.channels);
+  std::vector<Sums> rows(size_t(image.ny), Sums{});
+  parallel_for(
+      0, image.ny,
+      [&](int64_t row) {
+        Sums sums{};
+        for (size_t i = size_t(row) * in_row; i < size_t(row + 1) * in_row; ++i) add(i, sums);
+        rows[size_t(row)] = sums;
+      },
+      {}, 16);
+  Sums all{};
+  for (const Sums& row : rows)
+    for (size_t n = 0; n < count; ++n) all[n] += row[n];
+  return all;
+}
+
 void check_finite(const Image& image, std::string_view what) {
+  const auto strange = sums_over<1>(image, [&](size_t i, auto& sums) { sums[0] += !std::isfinite(image.values[i]); });
+  if (strange[0] == 0) return;
   const size_t channels = size_t(image.channels), nx = size_t(image.nx);
   for (size_t i = 0; i < image.values.size(); ++i)
     require(std::isfinite(image.values[i]), "expected finite values in the {}, got {} at row {}, column {}", what,
@@ -21,12 +43,18 @@ void check_finite(const Image& image, std::string_view what) {
 }
 
 double rms_difference(const Image& reference, const Image& image, double scale) {
-  double sum = 0;
-  for (size_t i = 0; i < image.values.size(); ++i) {
+  const auto [squares] = sums_over<1>(image, [&](size_t i, auto& sums) {
     const double d = double(reference.values[i]) - scale * double(image.values[i]);
-    sum += d * d;
-  }
-  return std::sqrt(sum / double(image.values.size()));
+    sums[0] += d * d;
+  });
+  return std::sqrt(squares / double(image.values.size()));
+}
+
+double peak_of(const Image& reference) {
+  const double peak =
+      reference.values.empty() ? 0 : *std::max_element(reference.values.begin(), reference.values.end());
+  require(peak > 0, "expected a reference with light in it, got one whose maximum is {}", peak);
+  return peak;
 }
 
 // σ/μ from sums over n values; 0 where the mean is 0.
@@ -50,52 +78,55 @@ double uniformity_of(std::vector<double> ratios) {
 
 // A value below 0, as in a photograph less its offset, counts as 0.
 double amplitude_psnr(const Image& reference, const Image& image, double peak) {
-  const auto amplitude = [](float value) { return std::sqrt(std::max(0.0, double(value))); };
-  double image_image = 0, image_reference = 0, squares = 0;
-  for (size_t i = 0; i < image.values.size(); ++i) {
-    image_image += amplitude(image.values[i]) * amplitude(image.values[i]);
-    image_reference += amplitude(image.values[i]) * amplitude(reference.values[i]);
-  }
+  const auto amplitude = [](const Image& of, size_t i) { return std::sqrt(std::max(0.0, double(of.values[i]))); };
+  const auto [image_image, image_reference] = sums_over<2>(image, [&](size_t i, auto& sums) {
+    sums[0] += amplitude(image, i) * amplitude(image, i);
+    sums[1] += amplitude(image, i) * amplitude(reference, i);
+  });
   const double scale = image_image > 0 ? image_reference / image_image : 0;
-  for (size_t i = 0; i < image.values.size(); ++i)
-    squares += std::pow(amplitude(reference.values[i]) - scale * amplitude(image.values[i]), 2);
+  const auto [squares] = sums_over<1>(image, [&](size_t i, auto& sums) {
+    const double difference = amplitude(reference, i) - scale * amplitude(image, i);
+    sums[0] += difference * difference;
+  });
   return 10 * std::log10(peak * double(image.values.size()) / squares);
 }
 
 }  // namespace
 
-Metrics compare(const Image& reference, const Image& image, const CompareParams& params) {
+ScaledError scaled_error(const Image& reference, const Image& image) {
   require(
       reference.nx == image.nx && reference.ny == image.ny && reference.channels == image.channels,
       "expected an image of {} × {} pixels and {} channel(s), as its reference, got {} × {} and {}; resample or crop "
       "one of them",
       reference.nx, reference.ny, reference.channels, image.nx, image.ny, image.channels);
-  require(params.bright > 0 && params.bright <= 1,
-          "expected a bright region from a part in (0, 1] of the maximum, got {}", params.bright);
   check_finite(reference, "reference");
   check_finite(image, "image");
-  const double peak =
-      reference.values.empty() ? 0 : *std::max_element(reference.values.begin(), reference.values.end());
-  require(peak > 0, "expected a reference with light in it, got one whose maximum is {}", peak);
+  const double peak = peak_of(reference);
+  const auto [image_image, image_reference] = sums_over<2>(image, [&](size_t i, auto& sums) {
+    const double v = image.values[i];
+    sums[0] += v * v;
+    sums[1] += v * double(reference.values[i]);
+  });
+  const double scale = image_image > 0 ? image_reference / image_image : 0;
+  const double rms_error = rms_difference(reference, image, scale);
+  return {scale, rms_error, 20 * std::log10(peak / rms_error)};
+}
 
-  double image_image = 0, image_reference = 0, image_sum = 0, reference_sum = 0;
-  for (size_t i = 0; i < image.values.size(); ++i) {
-    const double r = reference.values[i], v = image.values[i];
-    image_image += v * v;
-    image_reference += v * r;
-    image_sum += v;
-    reference_sum += r;
-  }
-
+Metrics compare(const Image& reference, const Image& image, const CompareParams& params) {
+  require(params.bright > 0 && params.bright <= 1,
+          "expected a bright region from a part in (0, 1] of the maximum, got {}", params.bright);
   Metrics m;
-  m.scale = image_image > 0 ? image_reference / image_image : 0;
-  m.rms_error = rms_difference(reference, image, m.scale);
-  m.psnr = 20 * std::log10(peak / m.rms_error);
+  static_cast<ScaledError&>(m) = scaled_error(reference, image);
+  const double peak = peak_of(reference);
   m.psnr_amplitude = amplitude_psnr(reference, image, peak);
   m.psnr_unscaled = 20 * std::log10(peak / rms_difference(reference, image, 1));
   m.ssim = structural_similarity(reference, image, m.scale, peak);
   m.ssim_unscaled = structural_similarity(reference, image, 1, peak);
   static_cast<BrightMetrics&>(m) = compare_bright(reference, image, params.bright * peak);
+  const auto [image_sum, reference_sum] = sums_over<2>(image, [&](size_t i, auto& sums) {
+    sums[0] += image.values[i];
+    sums[1] += reference.values[i];
+  });
   m.power_ratio = image_sum / reference_sum;
   return m;
 }
@@ -120,13 +151,7 @@ BrightMetrics compare_bright(const Image& reference, const Image& image, double 
 
 double psnr_of_black(const Image& reference) {
   check_finite(reference, "reference");
-  double peak = 0, squares = 0;
-  for (const float v : reference.values) {
-    peak = std::max(peak, double(v));
-    squares += double(v) * v;
-  }
-  require(peak > 0, "expected a reference with light in it, got one whose maximum is {}", peak);
-  return 20 * std::log10(peak / std::sqrt(squares / double(reference.values.size())));
+  return 20 * std::log10(peak_of(reference) / rms_difference(reference, reference, 0));
 }
 
 double speckle_contrast(const Image& image) {

@@ -29,7 +29,7 @@ void PanelModel::leave(const Array2D<float>& drive, Field& field, const Array2D<
   field.grid = parts.out;
   field.wavelength = parts.state.wavelength;
   field.z = 0;
-  if (!fits) field.samples = Array2D<std::complex<float>>(parts.out.ny, parts.out.nx);
+  if (!fits) field.samples = Array2D<std::complex<float>>::unset(parts.out.ny, parts.out.nx);
   parts.leave(drive, modulus, field);
 }
 

@@ -315,7 +315,7 @@ std::optional<double> run_links(const std::vector<const BasicField<Real>*>& fiel
 template <class Real>
 BasicField<Real> output_of(const ConvolutionLink<Real>& link, double wavelength, double z) {
   const Propagator<Real>& p = *link.propagator;
-  BasicField<Real> out(p.output, wavelength, z + (link.is_adjoint ? -p.distance : p.distance));
+  auto out = BasicField<Real>::unset(p.output, wavelength, z + (link.is_adjoint ? -p.distance : p.distance));
   out.grid.centre_x += link.shift_x * out.grid.pitch;
   out.grid.centre_y -= link.shift_y * out.grid.pitch;
   return out;
@@ -349,7 +349,7 @@ BasicField<Real> convolve_to_sum(const std::vector<const BasicField<Real>*>& fie
   require(fields.size() == links.size(), "expected a propagation for each of {} fields, got {}", fields.size(),
           links.size());
   std::vector<BasicField<Real>> out;
-  out.push_back(BasicField<Real>(links.front().propagator->output, fields.front()->wavelength));
+  out.push_back(BasicField<Real>::unset(links.front().propagator->output, fields.front()->wavelength));
   run_links<Real>(fields, links, out, {});
   return std::move(out.front());
 }

@@ -49,7 +49,7 @@ void irradiance_of_row(const std::complex<float>* u, size_t count, float* to) {
 }
 
 Array2D<float> irradiance_of(const Field& field) {
-  Array2D<float> irradiance(field.grid.ny, field.grid.nx);
+  auto irradiance = Array2D<float>::unset(field.grid.ny, field.grid.nx);
   parallel_for(0, field.grid.ny, [&](int64_t row) {
     irradiance_of_row(field.samples.row(int(row)), size_t(field.grid.nx), irradiance.row(int(row)));
   });

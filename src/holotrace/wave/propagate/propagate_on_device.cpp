@@ -193,7 +193,7 @@ std::optional<Array2D<float>> irradiance_on_device(const Field& field, double di
   struct Result {
     Array2D<float> operator()(const DeviceField& there) const {
       const DeviceBuffer irradiance = irradiance_of(there);
-      Array2D<float> here(there.head.grid.ny, there.head.grid.nx);
+      auto here = Array2D<float>::unset(there.head.grid.ny, there.head.grid.nx);
       there.device->read(irradiance, here.values.data(), irradiance.bytes());
       return here;
     }

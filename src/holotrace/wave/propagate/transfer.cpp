@@ -99,11 +99,6 @@ void transform_kernel(const PropagationAxis& x, const PropagationAxis& y, const 
 
 using ComplexDouble = std::complex<double>;
 
-template <class Real>
-void make_table(Propagator<Real>& p) {
-  p.transfer = Array2D<std::complex<Real>>(p.x.slots(), p.is_on_lattice() ? p.y.padded : p.y.frequencies());
-}
-
 // Index of the frequency k of y in a row of the table.
 template <class Real>
 int place(const Propagator<Real>& p, int k) {
@@ -111,6 +106,30 @@ int place(const Propagator<Real>& p, int k) {
   const int bin = wrapped(k, p.y.padded);
   return bin % p.y.parts * p.y.part_length() + bin / p.y.parts;
 }
+
+/// The table of a propagator, a row for each slot of x.
+template <class Real>
+class Table {
+ public:
+  explicit Table(Propagator<Real>& p) : values_(p.transfer) {
+    values_ = Array2D<std::complex<Real>>::unset(p.x.slots(), p.is_on_lattice() ? p.y.padded : p.y.frequencies());
+    for (int k = p.y.first; k <= p.y.last; ++k) places_.push_back(place(p, k));
+  }
+
+  /// Places in a row of the frequencies of y in use, first to last.
+  const std::vector<int>& places() const { return places_; }
+
+  /// A row, to be set by one thread at its places; 0 elsewhere.
+  std::complex<Real>* row(int slot) const {
+    std::complex<Real>* row = values_.row(slot);
+    if (places_.size() < size_t(values_.nx)) std::fill_n(row, values_.nx, std::complex<Real>());
+    return row;
+  }
+
+ private:
+  Array2D<std::complex<Real>>& values_;
+  std::vector<int> places_;
+};
 
 template <class Real>
 int frequency_of_slot(const Propagator<Real>& p, int slot) {
@@ -201,15 +220,14 @@ void fill_angular_spectrum(Propagator<Real>& p) {
   std::vector<double> v, v2;
   for (int j = least; j <= most; ++j) v.push_back(j * dv);
   for (const double of_v : v) v2.push_back(of_v * of_v);
-  std::vector<int> places;
-  for (int k = p.y.first; k <= p.y.last; ++k) places.push_back(place(p, k));
-  make_table(p);
+  const Table<Real> table(p);
+  const std::vector<int>& places = table.places();
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     const int i = frequency_of_slot(p, int(slot));
     std::vector<std::complex<Real>> column(v.size()), in_order(p.is_on_lattice() ? places.size() : 0);
     const auto at = [&](int j) { return column.data() + (j - least); };
     Column{i * du, p.wavelength, z, start, v, v2}.fill(passing(p.x, i) * part_of_pitch(p.x, i), column);
-    std::complex<Real>* row = p.transfer.row(int(slot));
+    std::complex<Real>* row = table.row(int(slot));
     std::complex<Real>* line = p.is_on_lattice() ? in_order.data() : row;
     auto next = line;
     if (p.y.first < 0) next = std::reverse_copy(at(std::abs(std::min(p.y.last, -1))), at(-p.y.first) + 1, next);
@@ -226,18 +244,16 @@ void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
   const int nx = p.is_on_lattice() ? p.x.padded : p.x.kernel_samples;
   const int ny = p.is_on_lattice() ? p.y.padded : p.y.kernel_samples;
   const double scale = p.input.pitch * p.input.pitch * (double(p.x.padded) / nx) * (double(p.y.padded) / ny);
-  make_table(p);
-  std::vector<int> places;
-  for (int k = p.y.first; k <= p.y.last; ++k) places.push_back(place(p, k));
+  const Table<Real> table(p);
   transform_kernel<Real>(
       p.x, p.y,
       [&](double y, const double* x, size_t count, ComplexDouble* line) {
         rayleigh_sommerfeld_row({y, p.wavelength, p.distance, start, scale}, x, count, line);
       },
       [&](int slot, const std::complex<Real>* column) {
-        std::complex<Real>* row = p.transfer.row(slot);
+        std::complex<Real>* row = table.row(slot);
         int bin = wrapped(p.y.first, ny);
-        for (const int at : places) {
+        for (const int at : table.places()) {
           row[at] = column[bin];
           if (++bin == ny) bin = 0;
         }
@@ -248,14 +264,14 @@ template <class Real>
 void fill_fresnel(Propagator<Real>& p) {
   const std::vector<ComplexDouble> along_x = fresnel_axis(p.x), along_y = fresnel_axis(p.y);
   const ComplexDouble axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
-  make_table(p);
-  for (int slot = 0; slot < p.x.slots(); ++slot) {
+  const Table<Real> table(p);
+  parallel_for(0, p.x.slots(), [&](int64_t slot) {
     // On an even axis frequency −slot is always in use; +slot is not, if it is the middle of the spectrum.
-    const int i = p.x.is_even ? -slot : p.x.first + slot;
-    for (int k = p.y.first; k <= p.y.last; ++k)
-      p.transfer(slot, place(p, k)) =
-          std::complex<Real>(axial * along_x[size_t(i - p.x.first)] * along_y[size_t(k - p.y.first)]);
-  }
+    const int i = p.x.is_even ? -int(slot) : p.x.first + int(slot);
+    std::complex<Real>* row = table.row(int(slot));
+    for (size_t k = 0; k < along_y.size(); ++k)
+      row[table.places()[k]] = std::complex<Real>(axial * along_x[size_t(i - p.x.first)] * along_y[k]);
+  });
 }
 
 template void fill_angular_spectrum(Propagator<float>&);

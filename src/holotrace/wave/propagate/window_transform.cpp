@@ -115,13 +115,13 @@ double window_transform_bytes(const PropagationAxis& x, const PropagationAxis& y
 template <class Real>
 BasicField<Real> transform_to_window(const BasicField<Real>& field, const Propagator<Real>& p,
                                      const Observer& observer) {
-  BasicField<Real> out(p.output, field.wavelength, field.z + p.distance);
+  auto out = BasicField<Real>::unset(p.output, field.wavelength, field.z + p.distance);
   transform_rows(field, p, observer, [&](int o, const auto& sum) { sum(out.samples.row(o)); });
   return out;
 }
 
 Array2D<float> transform_to_irradiance(const Field& field, const Propagator<float>& p, const Observer& observer) {
-  Array2D<float> irradiance(p.output.ny, p.output.nx);
+  auto irradiance = Array2D<float>::unset(p.output.ny, p.output.nx);
   transform_rows(field, p, observer, [&](int o, const auto& sum) {
     AlignedVector<std::complex<float>> row(size_t(p.output.nx));
     sum(row.data());

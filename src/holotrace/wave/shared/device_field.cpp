@@ -60,7 +60,7 @@ DeviceField send(Device& device, const Field& field, const std::string& what) {
 Field fetch(const DeviceField& field) {
   const auto lock = field.device->lock();
   Field here = field.head;
-  here.samples = Array2D<std::complex<float>>(here.grid.ny, here.grid.nx);
+  here.samples = Array2D<std::complex<float>>::unset(here.grid.ny, here.grid.nx);
   field.device->read(field.samples, here.samples.values.data(), field.samples.bytes());
   return here;
 }

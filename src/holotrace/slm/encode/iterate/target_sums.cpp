@@ -86,7 +86,7 @@ Array2D<float> pixel_means(const SamplePower& power) {
       means[size_t(i)] =
           mean_along(left[i], right[i], i > 0 ? right[i - 1] : left[0], i + 1 < nx ? left[i + 1] : right[nx - 1]);
   };
-  Array2D<float> means(ny, nx);
+  auto means = Array2D<float>::unset(ny, nx);
   parallel_for(
       0, ny,
       [&](int64_t row) {
