@@ -5,6 +5,7 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 #include <csignal>
@@ -168,7 +169,8 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::fflush(stdout);
     if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
     std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
-    keep_freed_memory(size_t(256) << 20);  // for the arrays of the next picture, which are those of the last one
+    // The arrays of the next picture are those of the last one.
+    keep_freed_memory(std::max(most_kept_memory(), size_t(256) << 20));
     listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
     link.reset();
     std::_Exit(0);  // at once: nobody waits for the pictures that are being computed

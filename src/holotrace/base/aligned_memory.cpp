@@ -2,11 +2,14 @@
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <deque>
 #include <mutex>
 #include <new>
+
+#include "holotrace/base/machine.h"
 
 namespace holotrace {
 namespace {
@@ -60,6 +63,11 @@ class KeptBlocks {
     drop();
   }
 
+  size_t most() {
+    const std::lock_guard lock(mutex_);
+    return most_;
+  }
+
   void keep(size_t most) {
     const std::lock_guard lock(mutex_);
     most_ = most;
@@ -80,7 +88,8 @@ class KeptBlocks {
   };
   std::mutex mutex_;
   std::deque<Block> blocks_;
-  size_t bytes_ = 0, most_ = size_t(64) << 20;
+  size_t bytes_ = 0;
+  size_t most_ = size_t(std::clamp(physical_memory() / 256, double(64 << 20), double(1 << 30)));
 };
 
 KeptBlocks& kept() {
@@ -91,6 +100,8 @@ KeptBlocks& kept() {
 }  // namespace
 
 void keep_freed_memory(size_t bytes) { kept().keep(bytes); }
+
+size_t most_kept_memory() { return kept().most(); }
 
 void* allocate_aligned(size_t bytes) {
   if (bytes > size_t(-1) / 2) throw std::bad_alloc();

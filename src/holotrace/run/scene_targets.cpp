@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/renders.h"
@@ -305,10 +306,12 @@ std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& p
   std::vector<TargetPlane> planes;
   for (size_t k = 0; k < stack.distances.size(); ++k) {
     const double z = image == ImageSide::real_image ? stack.distances[k] : -stack.distances[k];
-    planes.push_back({z, wavelength, Array2D<float>(panel.ny, panel.nx), {}});
     const Image light = seen_at(stack.pictures[k], {wavelength});
-    for (size_t i = 0; i < light.values.size(); ++i)
-      planes.back().amplitude.values[i] = std::sqrt(std::max(0.0F, light.values[i]));
+    auto amplitude = Array2D<float>::unset(panel.ny, panel.nx);
+    parallel_for(0, panel.ny, [&](int64_t row) {
+      for (int i = 0; i < panel.nx; ++i) amplitude(int(row), i) = std::sqrt(std::max(0.0F, light(int(row), i)));
+    });
+    planes.push_back({z, wavelength, std::move(amplitude), {}});
   }
   return planes;
 }

@@ -173,25 +173,35 @@ void add_part(const Field& from, double factor, Field& to) {
 }
 
 double target_peak(const TargetPlane& target) {
-  double peak = 0;
-  for (size_t i = 0; i < target.amplitude.size(); ++i)
-    if (target.weight.size() == 0 || target.weight.values[i] > 0)
-      peak = std::max(peak, double(target.amplitude.values[i]));
-  return peak;
+  std::vector<double> peaks(size_t(target.amplitude.ny));
+  parallel_for(
+      0, target.amplitude.ny,
+      [&](int64_t j) {
+        const float *a = target.amplitude.row(int(j)), *w = weights_of(target.weight, int(j));
+        for (int i = 0; i < target.amplitude.nx; ++i)
+          if (!w || w[i] > 0) peaks[size_t(j)] = std::max(peaks[size_t(j)], double(a[i]));
+      },
+      {}, 16);
+  return peaks.empty() ? 0 : *std::max_element(peaks.begin(), peaks.end());
 }
 
 bool is_smooth(const TargetPlane& target) {
   const Array2D<float>& a = target.amplitude;
   const auto counts = [&](int j, int i) { return target.weight.size() == 0 || target.weight(j, i) > 0; };
-  double steps = 0, pixels = 0;
-  for (int j = 0; j < a.ny; ++j)
+  const double steps = sum_of_rows(a.ny, [&](int j) {
+    double squares = 0;
     for (int i = 0; i < a.nx; ++i) {
       if (!counts(j, i)) continue;
       const double to_right = i + 1 < a.nx && counts(j, i + 1) ? a(j, i + 1) - a(j, i) : 0;
       const double below = j + 1 < a.ny && counts(j + 1, i) ? a(j + 1, i) - a(j, i) : 0;
-      steps += to_right * to_right + below * below;
-      pixels += 1;
+      squares += to_right * to_right + below * below;
     }
+    return squares;
+  });
+  const double pixels = sum_of_rows(a.ny, [&](int j) {
+    const float* w = weights_of(target.weight, j);
+    return w ? double(std::count_if(w, w + a.nx, [](float one) { return one > 0; })) : double(a.nx);
+  });
   const double peak = target_peak(target);
   return steps / 16 <= 1e-4 * peak * peak * pixels;
 }
