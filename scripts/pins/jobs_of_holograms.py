@@ -201,7 +201,7 @@ def devices():
               f"run {IN}/on_device.toml -o eye --target light-field --pupil '1 mm' --eye '0 0 60 mm'", needs="opencl")
     yield job("opencl-two", f"{waves} --method tiled --device opencl:all -o tiled.npy",
               f"{stack} --device opencl:all -o frames.png",
-              needs="opencl", environment={"POCL_DEVICES": "pthread pthread"})
+              needs="opencl", environment={"OCL_ICD_VENDORS": "pocl.icd", "POCL_DEVICES": "pthread pthread"})
     yield job("opencl-split", f"{waves} --method tiled --device opencl:all -o tiled.npy", needs="opencl",
               environment={"HOLOTRACE_SPLIT_DEVICES": "2"})
     yield job("opencl-ranks", f"{tall} -o field.h5", launcher=RANKS, needs="opencl mpi")

@@ -2,10 +2,12 @@
 
 #include <sstream>
 
+#include "holotrace/base/sanitizers.h"
+
 namespace holotrace::test {
 
 bool has_strace(const Workplace& work) {
-#if defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_THREAD_SANITIZER
   return false;  // this sanitizer writes a file when it starts, and lives without it: not a fault of the program
 #endif
   return work.run_under({"strace", "-qq", "-e", "trace=none"}, {"--version"}).exit_code == 0;

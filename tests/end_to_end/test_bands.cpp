@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "end_to_end/bands.h"
+#include "holotrace/base/sanitizers.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/view/compare.h"
 
@@ -143,7 +144,7 @@ TEST(Bands, FinishedBandsOutliveAFullDisk) {
 }
 
 TEST(Bands, KeepToTheirMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_ADDRESS_SANITIZER || HOLOTRACE_THREAD_SANITIZER
   GTEST_SKIP() << "a sanitizer's own memory is many times the program's";
 #endif
   const Workplace work;

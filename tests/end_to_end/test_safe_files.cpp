@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "end_to_end/scenes.h"
+#include "holotrace/base/sanitizers.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/folders.h"
@@ -44,7 +45,7 @@ void make_hologram(const Workplace& work) {
 
 // prlimit --fsize: a write beyond that many bytes fails, as on a full disk.
 TEST(SafeFiles, AFullDiskLeavesTheEarlierRunAndSaysSo) {
-#if defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_THREAD_SANITIZER
   GTEST_SKIP() << "the thread sanitizer does not start without a file of its own";
 #endif
   const Workplace work;

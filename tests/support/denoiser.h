@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "holotrace/base/sanitizers.h"
 #include "holotrace/denoise/denoise.h"
 
 namespace holotrace::test {
@@ -33,7 +34,7 @@ class Environment {
 
 /// Why pictures cannot be denoised here; empty if they can.
 inline std::string why_no_denoiser() {
-#if defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_THREAD_SANITIZER
   return "the thread sanitizer sees none of the library's locks";
 #else
   try {

@@ -2,25 +2,22 @@
 
 #include <sys/mman.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <deque>
 #include <mutex>
 #include <new>
 
-#include "holotrace/base/machine.h"
+#include "holotrace/base/sanitizers.h"
 
 namespace holotrace {
 namespace {
 
-constexpr size_t huge_page = size_t(2) << 20, page = 4096, line = 128;
+constexpr size_t huge_page = size_t(2) << 20, line = 128;
+constexpr size_t page = size_t(64) << 10;  // a multiple of every system's
 
-#if defined(__SANITIZE_ADDRESS__)
-bool is_large(size_t) { return false; }  // the sanitizer watches the heap alone
-#else
-bool is_large(size_t bytes) { return bytes >= huge_page; }
-#endif
+// The sanitizer watches the heap alone.
+bool is_large(size_t bytes) { return !HOLOTRACE_ADDRESS_SANITIZER && bytes >= huge_page; }
 
 size_t whole_pages(size_t bytes) { return (bytes + page - 1) / page * page; }
 
@@ -35,8 +32,6 @@ void* map(size_t bytes) {
   madvise(first + before, bytes, MADV_HUGEPAGE);  // a hint: the memory is as good without it
   return first + before;
 }
-
-void unmap(void* memory, size_t bytes) { munmap(memory, bytes); }
 
 // Large blocks that were freed, the oldest first.
 class KeptBlocks {
@@ -54,13 +49,17 @@ class KeptBlocks {
     return nullptr;
   }
 
-  // Keeps a block in the place of the oldest ones, or frees it.
+  // Keeps a block in the place of the oldest ones, or gives it back.
   void put(void* memory, size_t bytes) {
-    const std::lock_guard lock(mutex_);
-    if (bytes > most_) return unmap(memory, bytes);
+    std::unique_lock lock(mutex_);
+    if (bytes > most_) {
+      lock.unlock();
+      munmap(memory, bytes);
+      return;
+    }
     blocks_.push_back({memory, bytes});
     bytes_ += bytes;
-    drop();
+    drop(lock);
   }
 
   size_t most() {
@@ -69,27 +68,32 @@ class KeptBlocks {
   }
 
   void keep(size_t most) {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     most_ = most;
-    drop();
+    drop(lock);
   }
 
  private:
-  void drop() {
-    for (; bytes_ > most_; blocks_.pop_front()) {
-      bytes_ -= blocks_.front().bytes;
-      unmap(blocks_.front().memory, blocks_.front().bytes);
-    }
-  }
-
   struct Block {
     void* memory;
     size_t bytes;
   };
+
+  // Gives back what is too much, without the lock: it may take milliseconds.
+  void drop(std::unique_lock<std::mutex>& lock) {
+    while (bytes_ > most_) {
+      const Block oldest = blocks_.front();
+      blocks_.pop_front();
+      bytes_ -= oldest.bytes;
+      lock.unlock();
+      munmap(oldest.memory, oldest.bytes);
+      lock.lock();
+    }
+  }
+
   std::mutex mutex_;
   std::deque<Block> blocks_;
-  size_t bytes_ = 0;
-  size_t most_ = size_t(std::clamp(physical_memory() / 256, double(64 << 20), double(1 << 30)));
+  size_t bytes_ = 0, most_ = size_t(64) << 20;
 };
 
 KeptBlocks& kept() {

@@ -16,8 +16,8 @@ void* allocate_aligned(size_t bytes);
 /// @param bytes  as they were allocated
 void free_aligned(void* memory, size_t bytes);
 
-/// Keeps at most so much freed memory for the next calls of allocate_aligned: at first a 256th of the machine's memory, at least
-/// 64 MB and at most 1 GB; more for a program that does the same again and again.
+/// Keeps at most so much freed memory for the next calls of allocate_aligned, at first 64 MB. A program that repeats its work
+/// may ask for more.
 void keep_freed_memory(size_t bytes);
 /// The most that is kept now.
 size_t most_kept_memory();

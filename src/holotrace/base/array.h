@@ -2,9 +2,11 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include "holotrace/base/aligned_memory.h"
+#include "holotrace/base/sanitizers.h"
 
 namespace holotrace {
 
@@ -21,13 +23,16 @@ struct Array2D {
   Array2D() = default;
   Array2D(int ny, int nx, T value = T()) : ny(ny), nx(nx), values(size_t(ny) * size_t(nx), value) {}
 
-  /// An array whose values are anything until they are set: for large ones that threads fill together, because the first
-  /// access to memory may take longer than all that follows.
+  /// An array whose values are anything until they are set; every value must be written before it is read. For large arrays that
+  /// threads fill together, because the first access to memory may take longer than all that follows. Under the address
+  /// sanitizer floats are NaN.
   static Array2D unset(int ny, int nx) {
     Array2D array;
     array.ny = ny;
     array.nx = nx;
     array.values = AlignedVector<T>(size_t(ny) * size_t(nx), AlignedAllocator<T>::without_zeros());
+    if (HOLOTRACE_ADDRESS_SANITIZER && array.size() > 0)
+      std::memset(static_cast<void*>(array.values.data()), 0xFF, array.size() * sizeof(T));
     return array;
   }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <thread>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"

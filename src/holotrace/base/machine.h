@@ -49,8 +49,8 @@ void require_memory(double bytes, std::string_view what);
 /// Number of threads that parallel_for uses: all that the machine has, or fewer if --threads says so.
 int thread_count();
 
-/// Number of threads that the processor runs at once, whatever --threads says. Forecasts that choose count on all of them: the
-/// choice, and so the bytes of the result, must not depend on --threads.
+/// Number of threads that the processor runs at once, whatever --threads says. Forecasts by which `auto` chooses assume
+/// all of them: the choice, and so the bytes of the result, must not depend on --threads.
 int processor_threads();
 
 }  // namespace holotrace

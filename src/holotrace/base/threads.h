@@ -4,8 +4,9 @@
 #include <cstdint>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/base/sanitizers.h"
 
-#if defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_THREAD_SANITIZER
 #include "holotrace/base/sanitized.h"
 #else
 #include <tbb/blocked_range.h>
@@ -25,7 +26,7 @@ void parallel_for(int64_t begin, int64_t end, const Work& work, const Observer& 
     const int64_t count = done += last - first;
     observer.progress(double(count) / double(end - begin));
   };
-#if defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_THREAD_SANITIZER
   for_each_range_on_new_threads(begin, end, grain, work_on);
 #else
   tbb::parallel_for(tbb::blocked_range<int64_t>(begin, end, size_t(grain)),

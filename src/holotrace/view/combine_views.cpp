@@ -124,20 +124,18 @@ Image seen_at(const Image& rgb, const std::vector<double>& wavelengths) {
   if (rgb.channels == 1 && wavelengths.size() == 1) return rgb;
   Image out(rgb.ny, rgb.nx, wavelengths.size() == 1 ? 1 : 3);
   out.pitch = rgb.pitch;
-  parallel_for(0, rgb.ny, [&](int64_t row) {
-    for (size_t i = size_t(row) * size_t(rgb.nx); i < size_t(row + 1) * size_t(rgb.nx); ++i) {
-      const float* c = &rgb.values[i * size_t(rgb.channels)];
-      const Vec3 colour = rgb.channels == 1 ? Vec3{c[0], c[0], c[0]} : Vec3{c[0], c[1], c[2]};
-      if (wavelengths.size() == 1) {
-        out.values[i] = float(radiance_at(wavelengths.front(), colour));
-        continue;
-      }
-      Vec3 seen;
-      for (size_t n = 0; n < wavelengths.size(); ++n) seen = seen + matrix[n] * radiance_at(wavelengths[n], colour);
-      out.values[3 * i] = float(seen.x);
-      out.values[3 * i + 1] = float(seen.y);
-      out.values[3 * i + 2] = float(seen.z);
+  each_pixel(rgb.ny, rgb.nx, [&](size_t i) {
+    const float* c = &rgb.values[i * size_t(rgb.channels)];
+    const Vec3 colour = rgb.channels == 1 ? Vec3{c[0], c[0], c[0]} : Vec3{c[0], c[1], c[2]};
+    if (wavelengths.size() == 1) {
+      out.values[i] = float(radiance_at(wavelengths.front(), colour));
+      return;
     }
+    Vec3 seen;
+    for (size_t n = 0; n < wavelengths.size(); ++n) seen = seen + matrix[n] * radiance_at(wavelengths[n], colour);
+    out.values[3 * i] = float(seen.x);
+    out.values[3 * i + 1] = float(seen.y);
+    out.values[3 * i + 2] = float(seen.z);
   });
   return out;
 }

@@ -13,7 +13,8 @@
 namespace holotrace {
 namespace {
 
-/// Sums over all values of an image: add(i, sums) adds value i to its row's. They do not depend on the number of threads.
+/// Sums over all values of an image. add(i, sums) adds what value i contributes to the sums of its row. Rows are added in their
+/// order: the result does not depend on the number of threads.
 template <size_t count, class Add>
 std::array<double, count> sums_over(const Image& image, const Add& add) {
   using Sums = std::array<double, count>;
@@ -113,10 +114,10 @@ ScaledError scaled_error(const Image& reference, const Image& image) {
 }
 
 Metrics compare(const Image& reference, const Image& image, const CompareParams& params) {
-  require(params.bright > 0 && params.bright <= 1,
-          "expected a bright region from a part in (0, 1] of the maximum, got {}", params.bright);
   Metrics m;
   static_cast<ScaledError&>(m) = scaled_error(reference, image);
+  require(params.bright > 0 && params.bright <= 1,
+          "expected a bright region from a part in (0, 1] of the maximum, got {}", params.bright);
   const double peak = peak_of(reference);
   m.psnr_amplitude = amplitude_psnr(reference, image, peak);
   m.psnr_unscaled = 20 * std::log10(peak / rms_difference(reference, image, 1));

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "holotrace/base/sanitizers.h"
 #include "holotrace/io/files/child_process.h"
 #include "support/temporary.h"
 
@@ -61,7 +62,7 @@ TEST(ChildProcess, ItHasALimitOfTime) {
 }
 
 TEST(ChildProcess, ItHasALimitOfMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if HOLOTRACE_ADDRESS_SANITIZER || HOLOTRACE_THREAD_SANITIZER
   GTEST_SKIP() << "sanitizers reserve terabytes of addresses";
 #endif
   const std::string error = error_in_child([](ToParent&) {

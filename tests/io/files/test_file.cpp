@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "holotrace/base/sanitizers.h"
 #include "holotrace/io/files/file.h"
 #include "support/temporary.h"
 
@@ -80,7 +81,7 @@ TEST(File, AFolderWithoutPermissionIsNamed) {
 
 // Of many open files it says how to allow more, not to check permissions.
 TEST(File, TooManyOpenFilesAreNamed) {
-#if defined(__SANITIZE_ADDRESS__)
+#if HOLOTRACE_ADDRESS_SANITIZER
   GTEST_SKIP() << "the undefined-behaviour sanitizer opens pipes to look at objects";
 #endif
   const std::string path = test::make_file("x.txt", "text"), other = temporary("y.txt");

@@ -181,8 +181,8 @@ TEST_P(BandedPropagationTest, DoesWhatIsForecast) {
 }
 
 TEST_P(BandedPropagationTest, IsTakenByAutoIfItIsFaster) {
-  test::set_processor_rates(
-      {.samples = 2e3});  // the processor takes more than 13 s, much more than waiting for transfers
+  // The processor takes more than 13 s, much more than waiting for transfers
+  test::set_processor_rates({.samples = 2e3});
   PropagateParams automatic;
   automatic.device = {DeviceKind::automatic};
   const auto runs_on_device = [&](const DeviceRates& rates) {

@@ -20,8 +20,8 @@ using test::relative_error;
 
 class DeviceTiles : public test::OnEveryDevice {
  protected:
-  // The device, said to have so many units: 2 sum the waves of the 35 tiles of 32 x 32 below in one piece. 100 want 800 groups,
-  // and so slices of the waves, 512 or more in each.
+  // The same device, with another number of units in its description. With 2, the waves of the 35 tiles of 32 x 32 below are
+  // summed in one piece; with 100 the sum wants 800 groups, and so cuts the waves into slices of 512 or more.
   Device with_units(int units) const {
     DeviceInfo info = device_.info();
     info.compute_units = units;

@@ -19,6 +19,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/machine.h"
+#include "holotrace/base/sanitizers.h"
 
 namespace holotrace {
 namespace {
@@ -27,17 +28,7 @@ constexpr double granted_seconds = 2, granted_bytes = double(1 << 30);  // befor
 constexpr int longest_silence = 120;  // seconds without a byte from the child: it waits for something
 
 // The sanitizers reserve terabytes of addresses, which a limit would forbid.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool can_limit_memory = false;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool can_limit_memory = false;
-#else
-constexpr bool can_limit_memory = true;
-#endif
-#else
-constexpr bool can_limit_memory = true;
-#endif
+constexpr bool can_limit_memory = !HOLOTRACE_ADDRESS_SANITIZER && !HOLOTRACE_THREAD_SANITIZER;
 
 struct ChildEnded {};
 

@@ -1,6 +1,7 @@
+#include "holotrace/base/sanitizers.h"
 #include "holotrace/wave/planes/plane_plan.h"
 
-#ifndef __SANITIZE_THREAD__
+#if !HOLOTRACE_THREAD_SANITIZER
 #include <tbb/parallel_sort.h>
 #endif
 
@@ -17,7 +18,7 @@ namespace {
 /// oneTBB's library passes parts of the sort to threads, and would report a data race.
 template <class Iterator>
 void parallel_sort(Iterator first, Iterator last) {
-#ifdef __SANITIZE_THREAD__
+#if HOLOTRACE_THREAD_SANITIZER
   std::sort(first, last);
 #else
   tbb::parallel_sort(first, last);

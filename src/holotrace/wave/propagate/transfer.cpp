@@ -119,8 +119,8 @@ class Table {
   /// Places in a row of the frequencies of y in use, first to last.
   const std::vector<int>& places() const { return places_; }
 
-  /// A row, to be set by one thread at its places; 0 elsewhere.
-  std::complex<Real>* row(int slot) const {
+  /// Begins a row: 0 where no frequency is in use. The caller sets its values at all places().
+  std::complex<Real>* begin_row(int slot) const {
     std::complex<Real>* row = values_.row(slot);
     if (places_.size() < size_t(values_.nx)) std::fill_n(row, values_.nx, std::complex<Real>());
     return row;
@@ -227,7 +227,7 @@ void fill_angular_spectrum(Propagator<Real>& p) {
     std::vector<std::complex<Real>> column(v.size()), in_order(p.is_on_lattice() ? places.size() : 0);
     const auto at = [&](int j) { return column.data() + (j - least); };
     Column{i * du, p.wavelength, z, start, v, v2}.fill(passing(p.x, i) * part_of_pitch(p.x, i), column);
-    std::complex<Real>* row = table.row(int(slot));
+    std::complex<Real>* row = table.begin_row(int(slot));
     std::complex<Real>* line = p.is_on_lattice() ? in_order.data() : row;
     auto next = line;
     if (p.y.first < 0) next = std::reverse_copy(at(std::abs(std::min(p.y.last, -1))), at(-p.y.first) + 1, next);
@@ -251,7 +251,7 @@ void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
         rayleigh_sommerfeld_row({y, p.wavelength, p.distance, start, scale}, x, count, line);
       },
       [&](int slot, const std::complex<Real>* column) {
-        std::complex<Real>* row = table.row(slot);
+        std::complex<Real>* row = table.begin_row(slot);
         int bin = wrapped(p.y.first, ny);
         for (const int at : table.places()) {
           row[at] = column[bin];
@@ -268,7 +268,7 @@ void fill_fresnel(Propagator<Real>& p) {
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     // On an even axis frequency −slot is always in use; +slot is not, if it is the middle of the spectrum.
     const int i = p.x.is_even ? -int(slot) : p.x.first + int(slot);
-    std::complex<Real>* row = table.row(int(slot));
+    std::complex<Real>* row = table.begin_row(int(slot));
     for (size_t k = 0; k < along_y.size(); ++k)
       row[table.places()[k]] = std::complex<Real>(axial * along_x[size_t(i - p.x.first)] * along_y[k]);
   });

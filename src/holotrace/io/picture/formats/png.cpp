@@ -132,9 +132,9 @@ void write(const PngSession& writer, const PngHeader& header, std::vector<png_te
   else
     png_set_gAMA_fixed(writer.png, writer.info, PNG_GAMMA_LINEAR);
   if (!texts.empty()) png_set_text(writer.png, writer.info, texts.data(), int(texts.size()));
-  // Runs alone: levels and noise have no longer repetitions, and pictures, which are filtered, get a tenth larger in a sixth of
-  // the time.
-  png_set_compression_strategy(writer.png, Z_RLE);
+  // Pictures are compressed by runs of one value alone, after PNG's filters: files are a tenth larger, in a sixth of the time.
+  // Levels of holograms may repeat in other ways, as those of gratings and lenses do.
+  if (header.is_srgb) png_set_compression_strategy(writer.png, Z_RLE);
   png_write_info(writer.png, writer.info);
   if (header.bits == 16) png_set_swap(writer.png);
   png_write_image(writer.png, rows.data());
