@@ -70,6 +70,7 @@ TEST(AlignedMemory, OfLargeArraysIsOnHugePages) {
   if (!std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled")) GTEST_SKIP() << "this system has no huge pages";
   const AlignedVector<float> large(size_t(16) << 20), small(1000);
   EXPECT_TRUE(asks_for_huge_pages(&large[large.size() / 2]));
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(large.data()) % (size_t(2) << 20), 0u) << "begins with a whole one";
   EXPECT_FALSE(asks_for_huge_pages(small.data()));
 }
 

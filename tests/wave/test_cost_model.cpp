@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "holotrace/base/error.h"
 #include "holotrace/wave/shared/cost_model.h"
@@ -55,6 +58,17 @@ TEST(CostModel, RatesAreAskedForOnce) {
   EXPECT_EQ(asked, 1);
   set_summation_rates({});
   EXPECT_EQ(summation_rates().spreads, SummationRates().spreads);
+}
+
+// What --threads says, which a choice must not depend on, does not count.
+TEST(CostModel, AProcessorHasAllOfItsThreads) {
+  set_summation_rates([] { return SummationRates{.samples = 4}; });
+  SummationWork work;
+  work.samples = 12;
+  EXPECT_DOUBLE_EQ(processor_seconds(work) * std::max(1U, std::thread::hardware_concurrency()), 3);
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_DOUBLE_EQ(processor_seconds(work) * std::max(1U, std::thread::hardware_concurrency()), 3);
+  set_summation_rates({});
 }
 
 TEST(CostModel, CoarseRatesMoveByLessThanATenthAndStayPut) {

@@ -108,6 +108,9 @@ TEST(FocalStackFile, BadFilesAreRefused) {
     EXPECT_NE(error(make_hdf5({1, 1, 1}, {value}, {{"pitch_m", {8e-6}}, {"distances_m", {0.3}}}))
                   .find("expected finite radiance of 0 or more in plane 1"),
               std::string::npos);
+  EXPECT_NE(error(make_hdf5({3, 1, 2}, {1, 2, 0, -3, 1, 1}, {{"pitch_m", {8e-6}}, {"distances_m", {0.3, 0.4, 0.5}}}))
+                .find("expected finite radiance of 0 or more in plane 2 of the focal stack, got -3"),
+            std::string::npos);
   for (const std::vector<hsize_t>& shape : {std::vector<hsize_t>{1}, {2, 2}, {1, 1, 1, 2}, {1, 0, 1}})
     EXPECT_NE(error(make_hdf5(shape, {}, {})).find("expected the shape (planes, rows, columns)"), std::string::npos);
   EXPECT_EQ(error(make_hdf5({0, 2, 2}, {}, {})), "expected a focal stack of at least one plane, got none");

@@ -91,6 +91,13 @@ TEST(JointFrames, TakeOneSampleOfAPixelOnlyIfTheTargetsAreSmooth) {
   TargetPlane part = ramp(0.0);             // pixels that do not count do not make it smoother
   part.amplitude(3, 3) = 0.2F;              // four steps of 0.8: 2.6/16 over 2400 pixels is 0.7e-4, over 800 it is 2e-4
   EXPECT_TRUE(is_smooth(part));
+  EXPECT_EQ(target_peak(part), double(*std::max_element(part.amplitude.values.begin(), part.amplitude.values.end())));
+  TargetPlane dim = part;  // light that does not count has no part in the peak
+  dim.amplitude(3, 2) = 7;
+  dim.weight = Array2D<float>(dim.amplitude.ny, dim.amplitude.nx, 1);
+  EXPECT_EQ(target_peak(dim), 7);
+  dim.weight(3, 2) = 0;
+  EXPECT_LT(target_peak(dim), 7);
   part.weight = Array2D<float>(40, 60);
   for (int j = 0; j < 40; ++j)
     for (int i = 0; i < 20; ++i) part.weight(j, i) = 1;
