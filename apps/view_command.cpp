@@ -169,7 +169,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::fflush(stdout);
     if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
     std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
-    // Each picture needs arrays of the sizes of the last one: if they are kept, the system need not be asked for them again.
+    // Each picture needs arrays of the same sizes as the last one: memory that is kept is ready, new memory must be cleared.
     keep_freed_memory(std::max(most_kept_memory(), size_t(256) << 20));
     listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
     link.reset();

@@ -16,12 +16,12 @@ namespace {
 constexpr size_t huge_page = size_t(2) << 20, line = 128;
 constexpr size_t page = size_t(64) << 10;  // a multiple of every system's
 
-// The sanitizer watches the heap alone.
+// Blocks that come from the system. The address sanitizer watches the heap alone, so it gets all blocks there.
 bool is_large(size_t bytes) { return !HOLOTRACE_ADDRESS_SANITIZER && bytes >= huge_page; }
 
 size_t whole_pages(size_t bytes) { return (bytes + page - 1) / page * page; }
 
-// Memory from the system, in whole pages and at a huge one. Memory of the heap would stay there when it is freed.
+// Whole pages from the system, which begin at a huge page. The heap would keep memory that is freed.
 void* map(size_t bytes) {
   void* const all = mmap(nullptr, bytes + huge_page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (all == MAP_FAILED) throw std::bad_alloc();

@@ -219,8 +219,8 @@ void check_focal_stack(const FocalStack& stack) {
             stack.grid.nx, stack.grid.ny, channels, k + 1, picture.nx, picture.ny, picture.channels);
   }
   const auto is_radiance = [](float value) { return std::isfinite(value) && value >= 0; };
-  std::vector<float> strange(stack.pictures.size(),
-                             0);  // the first value of each plane that is no radiance; 0 if all are
+  // The first value of each plane that is no radiance; 0 if all are.
+  std::vector<float> strange(stack.pictures.size(), 0);
   parallel_for(0, int64_t(strange.size()), [&](int64_t k) {
     const std::vector<float>& values = stack.pictures[size_t(k)].values;
     const auto found = std::find_if_not(values.begin(), values.end(), is_radiance);
