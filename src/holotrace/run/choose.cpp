@@ -25,16 +25,16 @@ struct Effort {
 };
 
 Effort effort_of(Quality quality) {
-  if (quality == Quality::best) return {16, 24, 300, 256};
-  if (quality == Quality::good) return {8, 16, 100, 128};
-  return {1, 4, 40, 32};
+  if (quality == Quality::best) return {16, 24, 200, 256};
+  if (quality == Quality::good) return {8, 16, 70, 128};
+  return {1, 4, 30, 32};
 }
 
 // An eye sees a good picture of one frame; iterations are worth more than frames.
 Effort effort_for_eyes(Quality quality) {
-  if (quality == Quality::best) return {8, 16, 300, 128};
-  if (quality == Quality::good) return {4, 16, 250, 64};
-  return {1, 10, 150, 32};
+  if (quality == Quality::best) return {8, 16, 250, 128};
+  if (quality == Quality::good) return {4, 16, 160, 64};
+  return {1, 10, 100, 32};
 }
 
 // Paths without denoising over those that are enough with it: targets of 8 denoised paths are better than of 64 as they are.

@@ -21,13 +21,13 @@ enum class Goal { picture, waves };
 /// **Effort**, for holograms that aim at the scene's light (aims_at_scene), by quality:
 ///
 ///     quality   frames   planes (at most)   iterations   paths per pixel
-///     draft        1 or 4       4               40             32
-///     good         8           16              100            128
-///     best        16           24              300            256
+///     draft        1 or 4       4               30             32
+///     good         8           16               70            128
+///     best        16           24              200            256
 ///
 /// A draft has 4 frames for a scene deeper than 40 depths of focus, and where a single frame has no smooth start
 /// (frame_start.h). With the library of denoising an eighth of the paths is enough. For eyes draft, good and best have 1, 4 and
-/// 8 frames, 150, 250 and 300 iterations, and 32, 64 and 128 paths.
+/// 8 frames, 100, 160 and 250 iterations, and 32, 64 and 128 paths.
 ///
 /// Other jobs have 1 frame, and 64 paths per pixel.
 ///

@@ -68,16 +68,22 @@ TEST(FrameStart, DependsOnPanelTargetsAndParameters) {
 }
 
 // Two planes whose reciprocal distances differ by Δ are Δ·w²/2λ depths of focus apart: 0.5543 for 1/m and w = 0.768 mm.
-TEST(FrameStart, StepGrowsWithDepthAndIterations) {
+TEST(FrameStart, StepGrowsWithDepthIterationsAndFrames) {
   const Slm slm = make_panel(96, 64);
   TargetSet targets = one_plane(slm, -lens);
-  const auto step = [&](FrameStart start, int iterations) { return step_from(start, targets, slm.grid, iterations); };
+  const auto step = [&](FrameStart start, int iterations, int frames = 1) {
+    return step_from(start, targets, slm.grid, iterations, frames);
+  };
   EXPECT_NEAR(step(FrameStart::smooth, 50), 0.1, 1e-12);
   EXPECT_NEAR(step(FrameStart::smooth, 200), 0.2, 1e-12);
   EXPECT_EQ(step(FrameStart::smooth, 2000), sgd_step);
   EXPECT_EQ(step(FrameStart::random, 50), sgd_step);
   EXPECT_EQ(step(FrameStart::speckle, 50), sgd_step);
   EXPECT_EQ(step(FrameStart::converging, 50), 0.2);
+  EXPECT_NEAR(step(FrameStart::smooth, 50, 3), 0.1 * std::sqrt(3), 1e-12);
+  EXPECT_NEAR(step(FrameStart::smooth, 2000, 24), 2 * sgd_step, 1e-12);
+  EXPECT_NEAR(step(FrameStart::speckle, 50, 2), sgd_step * std::sqrt(2), 1e-12);
+  EXPECT_NEAR(step(FrameStart::converging, 50, 4), 0.4, 1e-12);
   targets.planes.push_back(targets.planes.front());
   targets.planes.back().z = -1 / (1 / lens + 64.94);  // 36 depths of focus in front: one and a half times shallow ones
   EXPECT_NEAR(step(FrameStart::smooth, 50), 0.15, 1e-4);

@@ -223,8 +223,8 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(choice(
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
-      "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 40, 32; good: 8, 16, 100, 128; best: 16, 24, "
-      "300, 256; auto: draft; with draft, good or best the method is sgd"));
+      "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 30, 32; good: 8, 16, 70, 128; best: 16, 24, "
+      "200, 256; auto: draft; with draft, good or best the method is sgd"));
   v(lengths("target_distances", p.target_distances, range::any,
             "iterations: distances of the target planes from the panel"));
   v(lengths("eye", p.eye, range::any,
@@ -255,8 +255,10 @@ void describe(Visitor&& v, EncodeParams& p) {
            "window of updates to the next; a window has 10 updates or more; 0: no early end"));
   v(number(
       "step", p.step, range::not_negative,
-      fmt::format("sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes",
-                  sgd_step)));
+      fmt::format(
+          "sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes, and up to "
+          "twice as much for several frames",
+          sgd_step)));
   v(count("planes_per_update", p.planes_per_update, range::not_negative,
           "sgd: number of target planes in each iteration, in turn; 0: all of them"));
   v(count("subpixels", p.subpixels, range::at_least(1),

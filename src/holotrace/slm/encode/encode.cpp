@@ -226,7 +226,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     return holograms;
   }
   EncodeParams stepped = params;
-  if (params.step == 0) stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params));
+  if (params.step == 0) stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params), frames);
   descend(targets, known, stepped, observer, holograms, checkpoint, links);
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);

@@ -141,10 +141,11 @@ FrameStart start_of_frames(const TargetSet& targets, double wavelength, int fram
   return frames == 1 || has_room || !has_second_term ? FrameStart::smooth : FrameStart::speckle;
 }
 
-double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations) {
-  constexpr double shallow = 24;  // depths of focus
-  if (start == FrameStart::converging) return 0.2;
-  if (start != FrameStart::smooth) return sgd_step;
+double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations, int frames) {
+  constexpr double shallow = 24;                           // depths of focus
+  const double larger = std::min(std::sqrt(frames), 2.0);  // measured for up to 24 frames
+  if (start == FrameStart::converging) return 0.2 * larger;
+  if (start != FrameStart::smooth) return sgd_step * larger;
   double near = 0, far = std::numeric_limits<double>::infinity();  // reciprocal distances [1/m]
   for (const TargetPlane& plane : targets.planes) {
     near = std::max(near, 1 / std::abs(plane.z));
@@ -152,7 +153,7 @@ double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, 
   }
   const double side = std::max(panel.width(), panel.height());
   const double depth = near > far ? (near - far) * side * side / (2 * targets.planes.front().wavelength) : 0;
-  return std::min(sgd_step, 0.1 * std::max(std::sqrt(iterations / 50.0), depth / shallow));
+  return larger * std::min(sgd_step, 0.1 * std::max(std::sqrt(iterations / 50.0), depth / shallow));
 }
 
 Array2D<std::complex<float>> start_pattern(const Field& field, const EncodeParams& params, Modulation modulation) {

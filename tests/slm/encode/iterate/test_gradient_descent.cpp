@@ -53,10 +53,10 @@ TEST_P(GradientDescentOn, TakesTheStepsOfAdam) {
       for (size_t f = 0; f < frames.size(); ++f)
         for (size_t i = 0; i < drives[f].level.size(); ++i) {
           const double d = slopes[f].level.values[i] / power;
-          m[f][i] = 0.9 * m[f][i] + 0.1 * d;
+          m[f][i] = 0.5 * m[f][i] + 0.5 * d;
           v[f][i] = 0.99 * v[f][i] + 0.01 * d * d;
           drives[f].level.values[i] -=
-              float(step * (m[f][i] / (1 - std::pow(0.9, t))) / std::sqrt(v[f][i] / (1 - std::pow(0.99, t))));
+              float(step * (m[f][i] / (1 - std::pow(0.5, t))) / std::sqrt(v[f][i] / (1 - std::pow(0.99, t))));
         }
     }
     descend({targets}, slm, params, {}, frames);

@@ -200,7 +200,7 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Encode
 
 IterationState descent_job(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
                            const std::vector<Hologram>& frames) {
-  constexpr int schedule = 2;  // changes with what updates do
+  constexpr int schedule = 3;  // changes with what updates do
   Slm panel = slm;             // without its names
   panel.name = panel.preset = panel.source = "";
   panel.own_effects.clear();
