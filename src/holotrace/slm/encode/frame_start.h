@@ -32,7 +32,8 @@ FrameStart start_of_frames(const TargetSet& targets, double wavelength, int fram
 
 /// Step of the phase per iteration that suits a start of M frames [rad]. A smooth start of a shallow scene is near its goal, and
 /// large steps would spoil it; what planes show that lie many depths of focus 2λz²/w² apart must still be found. The light of
-/// M frames is their mean, in which the errors of large steps are √M times as small: the step is min(√M, 2) times that of one.
+/// M frames is their mean, in which the errors of large steps are √M times as small, so the step is min(√M, 2) times as large
+/// as for one frame; but not for eyes, where each iteration has another pupil.
 double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations, int frames);
 
 /// One of several frames.
