@@ -84,6 +84,9 @@ TEST(FrameStart, StepGrowsWithDepthIterationsAndFrames) {
   EXPECT_NEAR(step(FrameStart::smooth, 2000, 24), 2 * sgd_step, 1e-12);
   EXPECT_NEAR(step(FrameStart::speckle, 50, 2), sgd_step * std::sqrt(2), 1e-12);
   EXPECT_EQ(step(FrameStart::converging, 50, 4), 0.2);
+  TargetSet everywhere = targets;
+  everywhere.draw_views = [](int, double) { return ViewTargets{}; };
+  EXPECT_EQ(step_from(FrameStart::speckle, everywhere, slm.grid, 50, 4), sgd_step);
   targets.planes.push_back(targets.planes.front());
   targets.planes.back().z = -1 / (1 / lens + 64.94);  // 36 depths of focus in front: one and a half times shallow ones
   EXPECT_NEAR(step(FrameStart::smooth, 50), 0.15, 1e-4);

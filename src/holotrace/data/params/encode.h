@@ -113,7 +113,7 @@ inline constexpr std::initializer_list<Choice<Quality>> quality_names{
 /// Quantity in which the two levels of a binary hologram differ.
 enum class BinaryLevels { panel, phase, amplitude };
 
-/// Defaults of the iterations, and of the step of sgd from random phases [rad], used where 0 is given.
+/// Defaults of the iterations, and of the step of sgd from random phases of one frame [rad], used where 0 is given.
 inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 120, target_field_iterations = 30;
 inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
@@ -160,12 +160,12 @@ struct EncodeParams {
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
   double least_gain = 0;                    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
-  double step = 0;                          ///< sgd: step of the phase per iteration [rad]; 0: as the start needs
-  int planes_per_update = 1;                ///< sgd: number of target planes in each iteration, in turn; 0: all
-  int subpixels = 1;                        ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
-  StartPhase start = StartPhase::field;     ///< start phase of iterations, and phase of a target picture
-  int64_t seed = 1;                         ///< seed for random start phases
-  DeviceChoice device{};                    ///< device that computes the hologram; sgd: or all at once
+  double step = 0;  ///< sgd: step of the phase in the first iterations [rad]; 0: as the start and the frames need
+  int planes_per_update = 1;             ///< sgd: number of target planes in each iteration, in turn; 0: all
+  int subpixels = 1;                     ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
+  StartPhase start = StartPhase::field;  ///< start phase of iterations, and phase of a target picture
+  int64_t seed = 1;                      ///< seed for random start phases
+  DeviceChoice device{};                 ///< device that computes the hologram; sgd: or all at once
   std::vector<std::string>
       effects{};  ///< effects of the panel that the levels compensate; or "all"; none named: its own
 };
@@ -256,8 +256,8 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(number(
       "step", p.step, range::not_negative,
       fmt::format(
-          "sgd: step of the phase per iteration in radians; 0: {:g}, or less from a smooth start and for eyes, and up to "
-          "twice as much for several frames",
+          "sgd: step of the phase in the first iterations in radians; 0: for one frame {:g} from random phases, 0.2 for "
+          "eyes, and less from a smooth start; for several frames up to twice as much, but not for eyes and light-field",
           sgd_step)));
   v(count("planes_per_update", p.planes_per_update, range::not_negative,
           "sgd: number of target planes in each iteration, in turn; 0: all of them"));

@@ -142,8 +142,8 @@ FrameStart start_of_frames(const TargetSet& targets, double wavelength, int fram
 }
 
 double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations, int frames) {
-  constexpr double shallow = 24;                           // depths of focus
-  const double larger = std::min(std::sqrt(frames), 2.0);  // measured for up to 24 frames
+  constexpr double shallow = 24;  // depths of focus
+  const double larger = targets.draw_views ? 1 : std::min(std::sqrt(frames), 2.0);
   if (start == FrameStart::converging) return 0.2;
   if (start != FrameStart::smooth) return sgd_step * larger;
   double near = 0, far = std::numeric_limits<double>::infinity();  // reciprocal distances [1/m]

@@ -30,10 +30,10 @@ bool shows_smooth_starts(const Slm& slm, const EncodeParams& params);
 FrameStart start_of_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                            const EncodeParams& params);
 
-/// Step of the phase per iteration that suits a start of M frames [rad]. A smooth start of a shallow scene is near its goal, and
-/// large steps would spoil it; what planes show that lie many depths of focus 2λz²/w² apart must still be found. The light of
-/// M frames is their mean, in which the errors of large steps are √M times as small, so the step is min(√M, 2) times as large
-/// as for one frame; but not for eyes, where each iteration has another pupil.
+/// Step of the phase in the first iterations that suits a start of M frames [rad]. A smooth start of a shallow scene is near its
+/// goal, and large steps would spoil it; what planes show that lie many depths of focus 2λz²/w² apart must still be found. The
+/// light of M frames is their mean, in which independent errors of large steps are √M times as small, so the step is min(√M, 2)
+/// times as large as for one frame; but not where each iteration has other views (draw_views).
 double step_from(FrameStart start, const TargetSet& targets, const Grid& panel, int iterations, int frames);
 
 /// One of several frames.

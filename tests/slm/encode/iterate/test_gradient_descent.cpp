@@ -60,7 +60,7 @@ TEST_P(GradientDescentOn, TakesTheStepsOfAdam) {
         }
     }
     descend({targets}, slm, params, {}, frames);
-    // The six steps are 0.4 … 0.03 rad; without the corrections they would be a quarter to two thirds longer. Levels are
+    // The six steps are 0.4 … 0.03 rad; without the corrections they would be 4 to 5 times as long. Levels are
     // 1e-4 rad apart. Floats may flip a few slopes near 0, which Adam scales up like all others: compare quantiles.
     std::vector<double> apart;
     for (size_t f = 0; f < frames.size(); ++f)

@@ -134,20 +134,22 @@ TEST(JointFrames, CompareWindowsOfAllSamplesToEndEarly) {
   EXPECT_EQ(iterations(1, {even}), 3 * 10);
 }
 
-// A step of 0 is that of the start (frame_start.h): 0.1 rad for 50 iterations from a smooth one, 0.4 rad from random phases.
+// A step of 0 is that of the start (frame_start.h): 0.1 rad for 50 iterations from a smooth one, 0.4 rad from random phases; of
+// four frames twice as much.
 TEST(JointFrames, TakeTheStepOfTheirStart) {
   const Slm slm = make_panel(96, 64);
   EncodeParams params = descent({0.02}, 50);
   const std::vector<TargetPlane> targets = picture_targets(slm, params);
-  const auto levels = [&](double step) {
+  const auto levels = [&](double step, int frames = 1) {
     params.step = step;
-    return encode_frames({targets}, test_wavelength, 1, slm, params).front().level.values;
+    return encode_frames({targets}, test_wavelength, frames, slm, params).front().level.values;
   };
   params.start = StartPhase::field;
   EXPECT_EQ(levels(0), levels(0.1));
   EXPECT_NE(levels(0), levels(0.4));
   params.start = StartPhase::random;
   EXPECT_EQ(levels(0), levels(0.4));
+  EXPECT_EQ(levels(0, 4), levels(0.8, 4));
 }
 
 TEST(JointFrames, ShowPlanesBetweenTheTargets) {

@@ -253,7 +253,7 @@ void FrameDescent::end_if_little_is_gained() {
 
 // A step of Adam (Kingma and Ba, 2015), which falls to 0 over the schedule as a half cosine.
 void FrameDescent::step() {
-  constexpr double beta1 = 0.5, beta2 = 0.99;  // losses of few updates ask for less memory than the usual 0.9
+  constexpr double beta1 = 0.5, beta2 = 0.99;  // the usual β₁ of 0.9 needs more iterations (encoders.md, "Steps")
   const double fall = (1 + std::cos(pi * progress(updates()))) / 2, t = updates() + 1;
   const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
   const auto adam = [&](double whole_step) {

@@ -42,7 +42,8 @@ class Device;
 /// pixels in one round, and on the other in the next; of several smooth targets (is_smooth) a single sample in turn, in the
 /// first three quarters of the iterations.
 ///
-/// The step is Adam's (Kingma and Ba, 2015), with β = (0.5, 0.99); its size falls to 0 over the iterations as a half cosine. With
+/// The step is Adam's (Kingma and Ba, 2015), with β = (0.5, 0.99), where a slope that was near 0 may
+/// move a drive by up to (1 − β₁)/√(1 − β₂) = 5 steps; its size falls to 0 over the iterations as a half cosine. With
 /// params.least_gain > 0 the iterations may end early. Losses of single updates are noisy, so the means of two windows are
 /// compared, each of two rounds of all planes (four with single samples) and at least 10 updates. If the second one is not
 /// lower by that many decibels, the step falls from its size of now to 0 within one more window.
