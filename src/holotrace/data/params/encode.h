@@ -114,7 +114,7 @@ inline constexpr std::initializer_list<Choice<Quality>> quality_names{
 enum class BinaryLevels { panel, phase, amplitude };
 
 /// Defaults of the iterations, and of the step of sgd from random phases of one frame [rad], used where 0 is given.
-inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 120, target_field_iterations = 30;
+inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, target_field_iterations = 30;
 inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
 
