@@ -27,6 +27,13 @@ inline void say_warnings(const std::vector<std::string>& sentences) {
   for (const std::string& sentence : sentences) say("warning: {}\n", printable(sentence));
 }
 
+/// An observer that prints warnings on standard error as they come.
+inline Observer warnings_on_terminal() {
+  Observer observer;
+  observer.on_warning = [](const std::string& sentence) { say_warnings({sentence}); };
+  return observer;
+}
+
 /// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, no bars in a
 /// pipe, and every warning.
 class Console {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <vector>
@@ -13,6 +14,9 @@
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/panel_image_file.h"
+#include "panel_image_flags.h"
 #include "program_module.h"
 
 namespace holotrace {
@@ -27,11 +31,18 @@ DisplayFunction load_display() {
   return reinterpret_cast<DisplayFunction>(function);
 }
 
-void check_greys(const std::string& path, const Hologram& hologram) {
-  require(hologram.levels <= 256 && hologram.modulation != Modulation::complex,
-          "{}: expected a hologram of phase or of amplitude with at most 256 levels, because a monitor output has 8 "
-          "bits, got {} levels{}; encode it again for a phase or amplitude panel, with --levels 256",
-          path, hologram.levels, hologram.modulation == Modulation::complex ? " of phase and of amplitude" : "");
+// The colours 0xRRGGBB of a picture.
+std::vector<unsigned> colours_of(const PanelImage& image) {
+  require(
+      image.bits == 8,
+      "expected holograms of at most 256 levels, because a monitor output has 8 bits, got greys of 16 bits; encode them "
+      "again with --levels 256, or save them with -o");
+  std::vector<unsigned> colours(size_t(image.columns) * size_t(image.rows));
+  for (size_t i = 0; i < colours.size(); ++i) {
+    const uint16_t* pixel = image.values.data() + i * size_t(image.channels);
+    colours[i] = image.channels == 1 ? pixel[0] * 0x10101u : unsigned(pixel[0] << 16 | pixel[1] << 8 | pixel[2]);
+  }
+  return colours;
 }
 
 // Holograms of one series in the order in which they were written: a shell puts hologram_10.png before hologram_2.png.
@@ -48,52 +59,68 @@ void sort_series(std::vector<std::string>& paths) {
 }  // namespace
 
 void add_display_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command = app.add_subcommand("display", "holograms full-screen on a monitor output, pixel for pixel");
+  CLI::App* command = app.add_subcommand(
+      "display", "holograms full-screen on a monitor output, pixel for pixel; or the pictures for the panel as files");
   struct Options {
     std::vector<std::string> paths;
+    std::string output;
     int monitor = 1;
     double rate = 0, seconds = 0;
     Flags flags;
+    PanelImageFlags panel;
   };
   auto o = std::make_shared<Options>();
   command
       ->add_option(
           "holograms", o->paths,
-          "hologram files .png of one panel, shown in this order again and again; a whole series in the order in "
-          "which it was written, colours in sequence")
+          "hologram files of one panel, shown in this order again and again; a whole series in the order in which it was written, "
+          "colours in sequence")
       ->required()
       ->type_name("HOLOGRAM.png");
+  command
+      ->add_option(
+          "-o,--output", o->output,
+          "files of what the panel would show, in place of showing it: .png, .bmp, .tif, .npy or .csv; several pictures: "
+          "NAME, NAME_2, …")
+      ->type_name("FILE");
   command->add_option("--monitor", o->monitor, "monitor to which the panel is connected, from 1 [1]")->type_name("N");
   command
       ->add_option("--rate", o->rate,
                    "holograms per second; the monitor's refresh rate must be a multiple of it; 0: one per refresh [0]")
       ->type_name("HZ");
   command->add_option("--seconds", o->seconds, "duration; 0: until a click, q, Esc or Ctrl-C [0]")->type_name("S");
-  add_hologram_flags(*command, o->flags, {"image", "pitch", "range", "wavelength"});  // a monitor shows only greys
+  add_hologram_flags(*command, o->flags, {"image", "range"});
+  o->panel.add(*command);
   command->callback([o, &global] {
     check_flag("--monitor", o->monitor, range::at_least(1), Quantity::count);
     check_flag("--rate", o->rate, range::not_negative, Quantity::number);
     check_flag("--seconds", o->seconds, range::not_negative, Quantity::number);
+    if (!o->output.empty()) check_output(o->output, panel_image_endings());
     sort_series(o->paths);
-    Grid grid;  // of the first one
-    std::vector<std::vector<unsigned char>> pictures;
-    std::vector<const unsigned char*> greys;
+    std::vector<Hologram> holograms;
     for (const std::string& path : o->paths) {
-      const Hologram hologram = load_hologram(path, apply_to_hologram(o->flags));
-      check_greys(path, hologram);
-      pictures.push_back(greys_of(hologram));
-      const Grid& other = hologram.grid;
-      if (pictures.size() == 1) grid = other;
-      require(other.nx == grid.nx && other.ny == grid.ny,
+      holograms.push_back(load_hologram(path, apply_to_hologram(o->flags)));
+      const Grid &first = holograms.front().grid, &other = holograms.back().grid;
+      require(other.nx == first.nx && other.ny == first.ny,
               "expected holograms of one panel, but {} has {} × {} pixels and {} has {} × {}", o->paths.front(),
-              grid.nx, grid.ny, path, other.nx, other.ny);
+              first.nx, first.ny, path, other.nx, other.ny);
     }
-    for (const auto& picture : pictures) greys.push_back(picture.data());
+    const std::vector<PanelImage> images = o->panel.images(holograms, o->output, warnings_on_terminal());
+    if (!o->output.empty()) {
+      for (size_t i = 1; i < images.size(); ++i) note_output(numbered_path(o->output, i));
+      return say_warnings(write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
+        save_panel_images(set, std::filesystem::path(o->output).filename().string(), images, o->panel.done());
+      }));
+    }
+    std::vector<std::vector<unsigned>> pictures;
+    std::vector<const unsigned*> colours;
+    for (const PanelImage& image : images) pictures.push_back(colours_of(image));
+    for (const auto& picture : pictures) colours.push_back(picture.data());
     DisplayJob job;
-    job.columns = grid.nx;
-    job.rows = grid.ny;
-    job.pictures = int(greys.size());
-    job.greys = greys.data();
+    job.columns = images.front().columns;
+    job.rows = images.front().rows;
+    job.pictures = int(colours.size());
+    job.colours = colours.data();
     job.monitor = o->monitor - 1;
     job.rate = o->rate;
     job.seconds = o->seconds;

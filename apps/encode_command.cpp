@@ -17,9 +17,11 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/encode_job.h"
 #include "holotrace/slm/encode/target.h"
+#include "panel_image_flags.h"
 #include "rank_links.h"
 
 namespace holotrace {
@@ -58,6 +60,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     std::string input, output, slm, wavelength, report, plot, checkpoint;
     int frames = 1;
     Flags flags;
+    PanelImageFlags panel;
   };
   auto o = std::make_shared<Options>();
   command
@@ -68,7 +71,8 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FIELD|PICTURE|STACK");
   add_output(
       *command, o->output,
-      "hologram: .png, 8 or 16 bit by its levels, with its metadata; several frames or colours: NAME, NAME_2, …");
+      "hologram with its metadata: .png, .bmp or .tif of greys, 8 or 16 bit by its levels; .npy or .csv of levels; several frames or "
+      "colours: NAME, NAME_2, …");
   add_slm(*command, o->slm, "256 levels on the field's grid; pictures and focal stacks: pluto");
   command
       ->add_option("--wavelength", o->wavelength, "wavelength of a target picture or focal stack; several for colour")
@@ -83,10 +87,11 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       ->type_name("FILE.png|svg");
   Checkpoints::add_flag(*command, o->checkpoint);
   o->flags.add(*command, EncodeParams());
+  o->panel.add(*command);
   command->callback([o, &global] {
     EncodeParams params;
     o->flags.apply(params);
-    check_output(o->output, {".png"});
+    check_output(o->output, panel_image_endings());
     if (!o->report.empty()) check_output(o->report, {".json"});
     if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
     const bool is_stack = is_focal_stack_file(o->input),
@@ -130,14 +135,19 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     job.links = &links;
     Report report;
     report.seed = params.seed;
-    for (size_t i = 1; i < job.wavelengths.size() * size_t(o->frames); ++i) note_output(numbered_path(o->output, i));
+    for (size_t i = 1; i < o->panel.count(job.wavelengths.size() * size_t(o->frames)); ++i)
+      note_output(numbered_path(o->output, i));
     std::vector<Hologram> holograms = encode_job(job, o->frames, slm, params, report, console.stages());
     global.ranks->is_job_running = false;
     if (is_field && o->slm.empty())
       for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
     console.finish();
+    const std::string name = std::filesystem::path(o->output).filename().string();
     say_warnings(write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
-      save_holograms(set, std::filesystem::path(o->output).filename().string(), holograms);
+      if (o->panel.are_given())
+        save_panel_images(set, name, o->panel.images(holograms, o->output, warnings_on_terminal()), o->panel.done());
+      else
+        save_holograms(set, name, holograms);
     }));
     if (!o->report.empty()) save_report(o->report, report);
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));

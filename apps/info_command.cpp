@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "commands.h"
@@ -13,6 +14,7 @@
 #include "holotrace/data/params/device.h"
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/wave/shared/stage_on_device.h"
 
@@ -85,8 +87,9 @@ void print_devices(bool is_json) {
 // A picture is a hologram if flags say what it shows.
 Json describe_input(const std::string& path, const Flags& flags, Outside outside) {
   if (flags.texts().empty()) return describe_file(path, outside);
-  require(extension_of(path) == ".png" && !is_folder(path), "{0} is for holograms .png, but {1} is none; leave out {0}",
-          dashed(flags.texts().begin()->first), path);
+  const std::vector<std::string>& endings = panel_image_endings();
+  require(std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end() && !is_folder(path),
+          "{0} is for holograms, but {1} is none; leave out {0}", dashed(flags.texts().begin()->first), path);
   return describe_hologram(load_hologram(path, apply_to_hologram(flags)));
 }
 

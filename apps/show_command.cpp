@@ -23,27 +23,52 @@
 namespace holotrace {
 namespace {
 
-// The hologram files of the inputs: those of a run in place of its folder.
-std::vector<std::string> hologram_files(const std::vector<std::string>& inputs) {
-  std::vector<std::string> files;
+// A hologram of the inputs: a file or, in a coloured picture without metadata, a channel.
+struct Input {
+  std::string path;
+  Channel channel = Channel::grey;
+};
+
+// The holograms of the inputs: those of a run in place of its folder.
+std::vector<Input> holograms_of(const std::vector<std::string>& inputs, const Flags& flags) {
+  std::vector<Input> holograms;
   for (const std::string& input : inputs) {
-    const std::vector<std::string> some =
-        is_folder(input) ? list_complete_run(input).holograms : std::vector<std::string>{input};
-    files.insert(files.end(), some.begin(), some.end());
+    if (is_folder(input)) {
+      for (const std::string& path : list_complete_run(input).holograms) holograms.push_back({path});
+    } else if (flags.has("channel")) {
+      holograms.push_back({input});
+    } else {
+      for (const Channel channel : hologram_channels(input)) holograms.push_back({input, channel});
+    }
   }
-  return files;
+  return holograms;
+}
+
+// A hologram with what the flags say, and its wavelength among those of --wavelength.
+PanelHologram load_input(const Input& input, const std::string& slm, const Flags& flags, double wavelength,
+                         bool is_one) {
+  PanelHologram loaded = load_panel_hologram(input.path, slm, [&](HologramParams& params) {
+    flags.apply(params);
+    if (input.channel != Channel::grey) params.channel = input.channel;
+    params.wavelength = wavelength;
+  });
+  require(
+      is_one || loaded.hologram.wavelength == wavelength,
+      "expected several wavelengths only for files without metadata, but {} was made for {}; give one --wavelength, or none",
+      input.path, format_length(loaded.hologram.wavelength));
+  return loaded;
 }
 
 // Checks that holograms that were written together, as far as their names say so, are of one call: more frames of an
 // earlier call may lie beside them.
-void check_series(const std::vector<std::string>& inputs) {
+void check_series(const std::vector<Input>& inputs) {
   namespace fs = std::filesystem;
   struct First {
     std::string path;
     SeriesPart part;
   };
   std::map<std::string, First> series;
-  for (const std::string& path : inputs) {
+  for (const auto& [path, channel] : inputs) {
     const SeriesPart part = series_part(path);
     const fs::path p(path);
     std::string stem = p.stem().string();  // of the first of the series
@@ -80,15 +105,15 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("show", "camera image of holograms on a virtual SLM");
   struct Options {
     std::vector<std::string> inputs;
-    std::string output, slm, report, eye_separation;
+    std::string output, slm, report, eye_separation, wavelength;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
   command
       ->add_option(
           "holograms", o->inputs,
-          "hologram files .png, or the folder of a run for all of its holograms. Several of one wavelength and name "
-          "are averaged as frames, different names are added, and different wavelengths become colours")
+          "hologram files, or the folder of a run for all of its holograms. Several of one wavelength and name are averaged as "
+          "frames, different names are added, and different wavelengths become colours")
       ->required()
       ->type_name("HOLOGRAM.png|DIR");
   add_output(*command, o->output,
@@ -103,7 +128,13 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
           "first distance; needs a pupil [0 m: none]")
       ->type_name("LENGTH");
   add_hologram_flags(*command, o->flags, {"wavelength"});  // it is the illumination's flag
-  o->flags.add(*command, ShowParams());
+  command
+      ->add_option(
+          "--wavelength", o->wavelength,
+          "wavelength of the illumination, and of holograms without metadata; several: one for each of these in the order "
+          "of the files, and of red, green and blue of a coloured one [the holograms' own]")
+      ->type_name("LENGTHS");
+  o->flags.add(*command, ShowParams(), {"wavelength"});
   const std::string kept = "as the first hologram's run";
   o->flags.add(*command, CameraParams(), {}, "", {{"distances", kept}, {"pupil", kept}, {"eye", kept}});
   // One --device for the panel and for propagations.
@@ -122,8 +153,15 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     require(!is_animation || camera.sweep != Sweep::none,
             "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png",
             o->output);
-    const std::vector<std::string> inputs = hologram_files(o->inputs);
-    camera = camera_in(viewing_of_file(inputs.front()));
+    const std::vector<Input> inputs = holograms_of(o->inputs, o->flags);
+    std::vector<double> wavelengths{0};
+    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
+    const bool is_one = wavelengths.size() == 1;
+    require(is_one || wavelengths.size() == inputs.size(),
+            "expected one --wavelength, or one for each of the {} holograms, got {}", inputs.size(),
+            wavelengths.size());
+    if (is_one) params.wavelength = wavelengths.front();
+    camera = camera_in(viewing_of_file(inputs.front().path));
     o->flags.apply(camera);  // each flag replaces its own value
     RenderParams eyes;
     eyes.eye = camera.eye;
@@ -138,7 +176,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     Console console(global.is_quiet);
     Report report;
     const HologramSeries holograms{
-        inputs.size(), [&](size_t i) { return load_panel_hologram(inputs[i], o->slm, apply_to_hologram(o->flags)); }};
+        inputs.size(),
+        [&](size_t i) { return load_input(inputs[i], o->slm, o->flags, wavelengths[is_one ? 0 : i], is_one); }};
     const SeriesViews seen = view_holograms(holograms, {params, propagation, camera, from}, report, console.stages());
     console.finish();
     const std::string name = std::filesystem::path(o->output).filename().string();

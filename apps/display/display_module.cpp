@@ -87,7 +87,7 @@ std::string open_screen(const DisplayJob& job, const SDL_DisplayMode& mode, Scre
     if (!picture) return SDL_GetError();
     screen.pictures.push_back(picture);
     std::vector<uint32_t> pixels(size_t(job.columns) * size_t(job.rows));
-    for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = 0xff000000u | job.greys[p][i] * 0x10101u;
+    for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = 0xff000000u | job.colours[p][i];
     if (SDL_UpdateTexture(picture, nullptr, pixels.data(), job.columns * 4) != 0) return SDL_GetError();
   }
   return "";

@@ -5,14 +5,14 @@
 
 namespace holotrace {
 
-/// What to show: pictures of columns × rows greys of 8 bits, one after the other.
+/// What to show: pictures of columns × rows colours of 8 bits per channel, one after the other.
 struct DisplayJob {
   int columns = 0, rows = 0, pictures = 0;
-  const unsigned char* const* greys = nullptr;  ///< greys of each picture, [row][column]
-  int monitor = 0;                              ///< from 0
-  double rate = 0;                              ///< pictures per second; 0: that of the monitor
-  double seconds = 0;                           ///< duration; 0: until a key or is_over
-  bool (*is_over)() = nullptr;                  ///< asked at every picture
+  const unsigned* const* colours = nullptr;  ///< colours 0xRRGGBB of each picture, [row][column]
+  int monitor = 0;                           ///< from 0
+  double rate = 0;                           ///< pictures per second; 0: that of the monitor
+  double seconds = 0;                        ///< duration; 0: until a key or is_over
+  bool (*is_over)() = nullptr;               ///< asked at every picture
 };
 
 /// What happened.

@@ -1,5 +1,7 @@
-// Tables of a panel'\''s calibration, and of refractive indices.
+// Tables of a panel's calibration, of levels, and of refractive indices.
 #include "../reader.h"
+#include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/scene/scene_materials.h"
 #include "holotrace/io/scene/slm_file.h"
 
@@ -9,5 +11,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string path = fuzz::write("table.csv", fuzz::text_of(data, size));
   fuzz::read([&] { load_calibration(path, 256); });
   fuzz::read([&] { load_index_table(path); });
+  fuzz::read([&] { load_level_table(path); });
+  fuzz::read([&] { load_hologram(path); });
   return 0;
 }

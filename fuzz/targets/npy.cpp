@@ -1,6 +1,7 @@
-// Fields in NPY, with their metadata after the line #####.
+// Fields and levels in NPY, with their metadata after the line #####.
 #include "../reader.h"
 #include "holotrace/io/field/field_file.h"
+#include "holotrace/io/field/hologram_file.h"
 
 using namespace holotrace;
 
@@ -9,5 +10,6 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string path = fuzz::write("f.npy", samples);
   fuzz::write("f.json", metadata);
   fuzz::read([&] { load_fields(path); });
+  fuzz::read([&] { load_hologram(path); });
   return 0;
 }

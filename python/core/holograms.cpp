@@ -1,15 +1,24 @@
 // Panels and holograms.
 
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
+
 #include "arrays.h"
 #include "holotrace/base/message_text.h"
+#include "holotrace/data/params/panel_image.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
+#include "holotrace/slm/encode/panel_images.h"
 #include "nouns.h"
+#include "params.h"
 #include "values.h"
+#include "watch.h"
 
 namespace holotrace::python {
 
@@ -135,9 +144,35 @@ void bind_holograms(nb::module_& module) {
     const nb::gil_scoped_release release;
     save_hologram(path, h);
   });
-  module.def("load_hologram", [](const std::string& path) {
+  module.def("load_hologram", [](const std::string& path, const nb::dict& given) {
+    const auto complete = [&](HologramParams& params) {
+      const nb::gil_scoped_acquire acquire;
+      set_params(given, params);
+    };
     const nb::gil_scoped_release release;
-    return load_hologram(path);
+    return load_hologram(path, complete);
+  });
+  // Paths of the files, with a record of what the texts in `done` say.
+  module.def("save_panel_images", [](const std::vector<Hologram>& holograms, const std::string& path,
+                                     const nb::dict& given, const std::string& lut, const std::string& correction,
+                                     const std::map<std::string, std::string>& done, Watch& watch) {
+    PanelImageParams params;
+    set_params(given, params);
+    return watch.run("panel images", [&](const Observer& observer) {
+      check_output(path, panel_image_endings());
+      PanelTables tables;
+      if (!lut.empty()) tables.lut = load_level_table(lut);
+      if (!correction.empty()) tables.correction = load_correction(correction);
+      const std::vector<PanelImage> images =
+          panel_images(holograms, params, tables, holds_levels(path) ? PanelValue::level : PanelValue::grey, observer);
+      const std::string name = std::filesystem::path(path).filename().string();
+      for (const std::string& sentence : write_together(
+               path, hologram_record(path), [&](const OutputSet& set) { save_panel_images(set, name, images, done); }))
+        observer.warn(sentence);
+      std::vector<std::string> paths;
+      for (size_t i = 0; i < images.size(); ++i) paths.push_back(numbered_path(path, i));
+      return paths;
+    });
   });
 }
 

@@ -4,6 +4,7 @@
 #include "holotrace/data/params/calibrate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/panel_image.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
 #include "holotrace/data/params/show.h"
@@ -28,6 +29,7 @@ void bind_params(nb::module_& module) {
     stages["patterns"] = list_params(TestPatternParams());
     stages["calibrate"] = list_params(CalibrateParams());
     stages["register"] = list_params(RegisterParams());
+    stages["panel_image"] = list_params(PanelImageParams());
     stages["depth_image"] = list_params(DepthImageParams());
     return stages;
   });

@@ -11,7 +11,7 @@ program reports, in the same words.
 
 from ._core import Error, __version__
 from ._denoise import denoise
-from ._encode import Run, encode, encode_all, run
+from ._encode import Run, encode, encode_all, run, save_panel_images
 from ._fields import Field, Sources, load_field, load_fields, load_sources, save_fields
 from ._figures import (
     CalibrationPlan,
@@ -73,6 +73,7 @@ __all__ = [
     "render_pair",
     "run",
     "save_fields",
+    "save_panel_images",
     "set_threads",
     "show",
     "synthesize",

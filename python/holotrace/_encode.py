@@ -91,6 +91,33 @@ def encode_all(
     return _encode(target, slm, wavelength, frames, progress, params)
 
 
+@takes("panel_image")
+def save_panel_images(
+    holograms: Sequence[Hologram],
+    path: Path,
+    *,
+    lut: Optional[Path] = None,
+    correction: Optional[Path] = None,
+    **params: Any,
+) -> List[str]:
+    """Write pictures as the panel of a bench wants them, and return their paths.
+
+    ``path`` ends in .png, .bmp, .tif, .npy or .csv; several pictures become NAME, NAME_2, ... ``lut`` is the level table of the
+    panel's maker, ``correction`` its phase correction, a grey picture or a .npy in radians.
+    """
+    cores = [a(Hologram, one, "to save") for one in holograms]
+    files = {"lut": lut, "correction": correction}
+    names = {name: os.fspath(file) for name, file in files.items() if file is not None}
+    done = {name: str(value) for name, value in params.items()}
+    done.update({name: os.path.basename(file) for name, file in names.items()})
+    with watching(False) as watch:
+        return list(
+            _core.save_panel_images(
+                cores, os.fspath(path), dict(params), names.get("lut", ""), names.get("correction", ""), done, watch.core
+            )
+        )
+
+
 @dataclass
 class Run:
     """All that the pipeline has made of a scene."""

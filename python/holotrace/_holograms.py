@@ -263,9 +263,18 @@ class Hologram(Noun):
         core = self._core.slm
         return None if core is None else Slm._of(core)
 
-    def save(self, path: Path) -> None:
-        """Write a .png of grey levels with its metadata."""
-        self._core.save(os.fspath(path))
+    def save(self, path: Path, **panel: Any) -> None:
+        """Write the levels with their metadata: .png, .bmp or .tif of greys, .npy or .csv of levels.
+
+        With parameters of ``save_panel_images`` (``flip``, ``turn``, ``blaze``, ``lut``, ...): the picture for a panel, which is no
+        hologram any more.
+        """
+        if panel:
+            from ._encode import save_panel_images
+
+            save_panel_images([self], path, **panel)
+        else:
+            self._core.save(os.fspath(path))
 
     def __repr__(self) -> str:
         rows, columns = self.shape
@@ -281,9 +290,29 @@ class Hologram(Noun):
         return _picture.page(repr(self), [("levels", grey)])
 
 
-def load_hologram(path: Path, *, pitch: Optional[Length] = None, wavelength: Optional[Length] = None) -> Hologram:
-    """The hologram of a .png. Pitch and wavelength are for a picture without metadata."""
-    core = _core.load_hologram(os.fspath(path))
+def load_hologram(
+    path: Path,
+    *,
+    pitch: Optional[Length] = None,
+    wavelength: Optional[Length] = None,
+    levels: Optional[int] = None,
+    modulation: Optional[str] = None,
+    channel: Optional[str] = None,
+) -> Hologram:
+    """The hologram of a .png, .bmp, .tif, .csv or .npy, of this or of another program.
+
+    Parameters
+    ----------
+    path : path
+        Greys of 8 or 16 bits; or levels or, as floats, phases in radians (.npy), and levels (.csv).
+    pitch, wavelength : length
+        For a file without metadata.
+    levels, modulation : whole number, "phase" or "amplitude"
+        The same; None: all greys, phase.
+    channel : "red", "green" or "blue"
+        The channel with the hologram in a coloured picture.
+    """
+    core = _core.load_hologram(os.fspath(path), {"levels": levels, "modulation": modulation, "channel": channel})
     if core.pitch == 0:
         if pitch is None or wavelength is None:
             raise _core.Error(f"{path} has no metadata of a hologram; give its pitch and wavelength")

@@ -155,3 +155,35 @@ def test_encode_on_a_device_is_the_program_bit_by_bit(method, waves, tmp_path, p
     hologram = ht.encode(waves, method=method, target_distances="90 mm", iterations=3, device="opencl")
     assert equal(hologram.level, ht.load_hologram(tmp_path / "h.png").level)
     assert "device" in hologram.facts
+
+
+def test_pictures_for_a_panel_are_the_programs(waves, tmp_path, program):
+    """And NumPy's own: mirrored, a quarter turn, and 64 of 256 levels more from pixel to pixel."""
+    hologram = ht.encode(waves)
+    hologram.save(tmp_path / "h.png")
+    hologram.save(tmp_path / "h.npy")
+    assert np.array_equal(np.load(tmp_path / "h.npy"), hologram.level)
+    hologram.save(tmp_path / "own.npy", flip="x", turn="90", blaze="32 um")
+    program("display", "h.png", "-o", "panel.npy", "--flip", "x", "--turn", "90", "--blaze", "32 um")
+    assert (tmp_path / "own.npy").read_bytes() == (tmp_path / "panel.npy").read_bytes()
+    blazed = (hologram.level + 64 * (np.arange(64) - 31.5)).astype(int) % 256
+    assert np.array_equal(np.load(tmp_path / "own.npy"), np.rot90(blazed[:, ::-1]))
+    assert json.loads((tmp_path / "own.npy.json").read_text())["turn"] == "90"
+    with pytest.raises(ht.Error, match="got a picture for a panel"):
+        ht.load_hologram(tmp_path / "own.npy")
+    (tmp_path / "table.lut").write_text("".join(f"{255 - grey}\n" for grey in range(256)))
+    paths = ht.save_panel_images([hologram, hologram], tmp_path / "two.npy", lut=tmp_path / "table.lut")
+    assert [len(paths), paths[1][-9:]] == [2, "two_2.npy"]
+    assert np.array_equal(np.load(paths[1]), 255 - hologram.level)
+    with pytest.raises(ht.Error, match="unknown parameter \"flop\""):
+        hologram.save(tmp_path / "own.npy", flop="x")
+
+
+def test_holograms_of_other_programs_are_read(tmp_path):
+    phases = np.linspace(-7, 7, 12, dtype=np.float64).reshape(3, 4)
+    np.save(tmp_path / "phases.npy", phases)
+    hologram = ht.load_hologram(tmp_path / "phases.npy", pitch=8e-6, wavelength=633e-9, levels=1024)
+    assert np.array_equal(hologram.level, np.rint(phases / (2 * np.pi) * 1024) % 1024)
+    np.savetxt(tmp_path / "levels.csv", [[0, 1], [2, 3]], fmt="%d", delimiter=",")
+    levels = ht.load_hologram(tmp_path / "levels.csv", pitch=8e-6, wavelength=633e-9, levels=4, modulation="amplitude")
+    assert levels.modulation == "amplitude" and np.array_equal(levels.level, [[0, 1], [2, 3]])

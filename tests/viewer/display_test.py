@@ -23,14 +23,14 @@ if not shutil.which("Xvfb") or not os.path.exists(os.path.join(os.path.dirname(P
 COLUMNS, ROWS = 320, 180
 
 
-def png(path, greys, columns=COLUMNS, rows=ROWS, bits=8, has_metadata=True):
+def png(path, greys, columns=COLUMNS, rows=ROWS, bits=8, has_metadata=True, wavelength=532e-9):
     """A grey PNG with the metadata of a hologram, without any code of the program. `greys` are its big-endian bytes."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     row = columns * bits // 8
     lines = b"".join(b"\0" + greys[j * row:(j + 1) * row] for j in range(rows))
-    text = b"holotrace\0" + b'{"kind": "hologram", "pitch_m": 8e-06, "wavelength_m": 5.32e-07, "levels": 256, ' \
-                            b'"modulation": "phase", "image": "virtual", "encoder": "phase"}'
+    text = b"holotrace\0" + b'{"kind": "hologram", "pitch_m": 8e-06, "wavelength_m": %g, "levels": 256, ' \
+                            b'"modulation": "phase", "image": "virtual", "encoder": "phase"}' % wavelength
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, bits, 0, 0, 0, 0)) +
                    (chunk(b"tEXt", text) if has_metadata else b"") + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
@@ -57,15 +57,19 @@ class Display(unittest.TestCase):
         for path, greys in zip(cls.paths, cls.greys):
             png(path, greys)
 
-    def screen(self):
-        """The greys on the monitor, from Xvfb's frame buffer (an XWD file); None where a pixel is not grey."""
+    def channels(self):
+        """Red, green and blue of the monitor, from Xvfb's frame buffer (an XWD file)."""
         with open(os.path.join(self.folder, "Xvfb_screen0"), "rb") as file:
             data = file.read()
         header = struct.unpack(">25I", data[:100])
         begin = header[0] + 12 * header[19]  # after the header and the colours
         stride = header[12]
         pixels = b"".join(data[begin + j * stride:begin + j * stride + 4 * COLUMNS] for j in range(ROWS))
-        blue, green, red = pixels[0::4], pixels[1::4], pixels[2::4]
+        return pixels[2::4], pixels[1::4], pixels[0::4]
+
+    def screen(self):
+        """The greys on the monitor; None where a pixel is not grey."""
+        red, green, blue = self.channels()
         return blue if blue == green == red else None
 
     def run_display(self, *arguments):
@@ -114,6 +118,41 @@ class Display(unittest.TestCase):
         self.assertEqual(self.screen(), expected)
         job.send_signal(signal.SIGINT)
         job.communicate(timeout=20)
+
+    def shown(self, *arguments, until):
+        """Red, green and blue on the monitor, at the latest after 15 seconds."""
+        job = subprocess.Popen([PROGRAM, "display", *arguments], env=self.environment, stdout=subprocess.PIPE, text=True)
+        end = time.time() + 15
+        while self.channels() != until and time.time() < end:
+            time.sleep(0.05)
+        channels = self.channels()
+        job.send_signal(signal.SIGINT)
+        job.communicate(timeout=20)
+        return channels
+
+    def test_shows_what_it_writes(self):
+        """Mirrored, with a blaze of four pixels: 64 of 256 greys more from pixel to pixel, from x = -(nx - 1)/2 on."""
+        flags = ["--flip", "x", "--blaze", "32 um", "--pitch", "8 um"]
+        out = os.path.join(self.folder, "out.bmp")
+        run = self.run_display(self.paths[0], *flags, "-o", out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(out, "rb") as file:
+            data = file.read()
+        rows = [data[1078 + j * COLUMNS:][:COLUMNS] for j in range(ROWS)]  # COLUMNS is a multiple of 4
+        written = b"".join(reversed(rows))
+        expected = bytearray()
+        for j in range(ROWS):
+            row = self.greys[0][j * COLUMNS:(j + 1) * COLUMNS]
+            expected += bytes(round(grey + 64 * (i - (COLUMNS - 1) / 2)) % 256 for i, grey in enumerate(row))[::-1]
+        self.assertEqual(written, bytes(expected))
+        self.assertEqual(self.shown(self.paths[0], *flags, until=(written,) * 3), (written,) * 3)
+
+    def test_shows_colours_together(self):
+        for path, greys, wavelength in zip(self.paths, self.greys, (450e-9, 638e-9, 520e-9)):
+            png(path + ".colour.png", greys, wavelength=wavelength)
+        blue, red, green = self.greys
+        paths = [path + ".colour.png" for path in self.paths]
+        self.assertEqual(self.shown(*paths, "--pack", "colours", until=(red, green, blue)), (red, green, blue))
 
     def test_counts_what_it_shows(self):
         run = self.run_display(*self.paths, "--seconds", "1")

@@ -75,6 +75,20 @@ struct Hologram {
   ViewingConditions viewing{};         ///< how its run looked at it, or the planes that it was made for
 };
 
+/// Bits of the greys that show so many levels: 8 or 16.
+inline int grey_bits(int levels) { return levels <= 256 ? 8 : 16; }
+
+/// Greys per level ℓ of M, of so many bits: the grey is round(ℓ·2ᵇ/M) for phases, and round(ℓ·(2ᵇ − 1)/(M − 1)) for amplitudes.
+inline double greys_per_level(int levels, Modulation modulation, int bits) {
+  const double greys = bits == 8 ? 256 : 65536;
+  return modulation == Modulation::amplitude ? (greys - 1) / (levels - 1) : greys / levels;
+}
+
+/// The grey of a level.
+inline uint16_t grey_of(uint16_t level, int levels, Modulation modulation) {
+  return uint16_t(std::lround(level * greys_per_level(levels, modulation, grey_bits(levels))));
+}
+
 /// The illumination of a hologram for the light of one wavelength [W/m²].
 inline double illumination_at(const Hologram& hologram, double wavelength) {
   for (const JointColour& colour : hologram.colours)

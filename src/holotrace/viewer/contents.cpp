@@ -201,7 +201,8 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
     add_folder(path, params, contents);
     return contents;
   }
-  if (paths.size() > 1 || extension_of(path) == ".png") {
+  if (paths.size() > 1 || is_hologram_file(path) ||
+      is_one_of(extension_of(path), {".png", ".bmp", ".tif", ".tiff", ".csv"})) {
     contents.kind = "holograms";
     add_holograms(paths, params, contents);
     return contents;
@@ -217,7 +218,7 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
   } else {
     require(
         is_one_of(extension_of(path), {".npy", ".h5", ".exr"}),
-        "{}: expected a folder, holograms .png, a field .npy, .h5 or .exr, sources .ply or a scene .toml, .obj, .gltf "
+        "{}: expected a folder, holograms .png, .bmp, .tif or .csv, a field .npy, .h5 or .exr, sources .ply or a scene .toml, .obj, .gltf "
         "or .glb to view",
         path);
     contents.kind = "field";

@@ -9,6 +9,7 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "support/panels.h"
 #include "support/png.h"
 #include "support/temporary.h"
@@ -92,6 +93,86 @@ TEST(HologramFile, EveryLevelComesBackAsSaved) {
       EXPECT_EQ(loaded.encoder, hologram.encoder);
       EXPECT_EQ(loaded.filter, hologram.filter);
     }
+}
+
+TEST(HologramFile, EveryFormatBringsLevelsAndMetadataBack) {
+  for (const std::string ending : {".bmp", ".tif", ".tiff", ".npy", ".csv"})
+    for (const Modulation modulation : {Modulation::phase, Modulation::amplitude, Modulation::complex})
+      for (const int levels : {2, 200, 256, 1024}) {
+        if (ending == ".bmp" && levels > 256) continue;
+        Hologram hologram = all_levels(levels, modulation);
+        if (modulation == Modulation::complex) hologram.modulus_level = hologram.level;
+        const std::string path = temporary("h" + ending);
+        save_hologram(path, hologram, {2, 3});
+        const Hologram loaded = load_hologram(path);
+        EXPECT_EQ(loaded.level.values, hologram.level.values) << path << levels;
+        EXPECT_EQ(loaded.modulus_level.values, hologram.modulus_level.values) << path << levels;
+        EXPECT_EQ(loaded.grid, hologram.grid);
+        EXPECT_EQ(loaded.levels, levels);
+        EXPECT_EQ(loaded.wavelength, hologram.wavelength);
+        EXPECT_TRUE(is_hologram_file(path));
+        EXPECT_EQ(series_part(path).count, 3U);
+      }
+}
+
+// As other programs write them: levels as numbers, or phases in radians, which become the nearest of 256 levels; a value
+// beyond a cycle wraps.
+TEST(HologramFile, TablesOfOtherProgramsAreHolograms) {
+  const std::string csv = make_file("h.csv", "0,64\n128,255\n");
+  EXPECT_FALSE(is_hologram_file(csv));
+  EXPECT_EQ(load_hologram(csv).levels, 256);
+  EXPECT_EQ(load_hologram(csv).level(1, 1), 255);
+  const std::string fine = make_file("h.csv", "0,64\n128,1023\n");
+  const Hologram santec = load_hologram(fine, [](HologramParams& params) { params.levels = 1024; });
+  EXPECT_EQ(santec.level(1, 1), 1023);
+  EXPECT_NE(error_of([&] {
+              load_hologram(fine, [](HologramParams& params) { params.levels = 512; });
+            }).find("expected the values of 512 levels, got 1023 at row 1, column 1"),
+            std::string::npos);
+  std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 4), }";
+  header.resize(117, ' ');
+  const float phases[] = {0, 1.5707964F, -1.5707964F, 7.853982F};
+  const std::string npy = make_file("h.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + "\n" +
+                                                 std::string(reinterpret_cast<const char*>(phases), sizeof phases));
+  const Hologram loaded = load_hologram(npy);
+  EXPECT_EQ(std::vector<uint16_t>(loaded.level.values.begin(), loaded.level.values.end()),
+            (std::vector<uint16_t>{0, 64, 192, 64}));
+  EXPECT_EQ(load_hologram(npy, [](HologramParams& params) { params.levels = 4; }).level(0, 2), 3);
+}
+
+TEST(HologramFile, AColouredPictureHoldsThreeHolograms) {
+  const std::string path = temporary("rgb.bmp");
+  save_panel_image(path, {1, 2, 3, 8, {1, 2, 3, 40, 50, 60}});
+  EXPECT_EQ(hologram_channels(path), (std::vector{Channel::red, Channel::green, Channel::blue}));
+  const auto level = [&](Channel channel) {
+    return load_hologram(path, [&](HologramParams& params) { params.channel = channel; }).level(1, 0);
+  };
+  EXPECT_EQ(level(Channel::red), 40);
+  EXPECT_EQ(level(Channel::green), 50);
+  EXPECT_EQ(level(Channel::blue), 60);
+  const std::string grey = temporary("grey.bmp");
+  save_panel_image(grey, {1, 1, 1, 8, {7}});
+  EXPECT_EQ(hologram_channels(grey), std::vector{Channel::grey});
+  EXPECT_EQ(error_of([&] { load_hologram(grey, [](HologramParams& params) { params.channel = Channel::blue; }); }),
+            grey + ": expected a coloured picture for its channel blue, got a grey one; leave out the channel");
+  // What was done for a panel cannot be undone.
+  write_text(sidecar_path(grey), R"({"kind": "panel-image", "flip": "x"})");
+  EXPECT_FALSE(is_hologram_file(grey));
+  EXPECT_EQ(error_of([&] { load_hologram(grey); }),
+            grey + ": expected a hologram, got a picture for a panel (" + sidecar_path(grey) +
+                " says what was done to it); use the hologram that it was made of");
+}
+
+TEST(HologramFile, ASeriesBesideItsMetadataReplacesItsEarlierFiles) {
+  const std::string folder = temporary("twice");
+  std::filesystem::create_directories(folder);
+  const std::vector<Hologram> holograms(3, all_levels(256, Modulation::phase));
+  for (int call = 0; call < 2; ++call) {
+    const std::vector<std::string> notes =
+        write_together(folder + "/h.bmp", hologram_record(folder + "/h.bmp"),
+                       [&](const OutputSet& set) { save_holograms(set, "h.bmp", holograms); });
+    EXPECT_TRUE(notes.empty()) << notes.front();
+  }
 }
 
 TEST(HologramFile, IlluminationNameAndFrameComeBackAsSaved) {
@@ -271,10 +352,12 @@ TEST(HologramFile, WhatIsNoHologramIsRefused) {
   Image image(1, 2, 3);
   image.values = {0, 0, 0, 1, 0, 0};
   save_image(coloured, image, 1, 8);
-  EXPECT_EQ(error_of([&] { load_hologram(coloured); }),
-            coloured + ": expected a grey hologram, got a coloured pixel at row 0, column 1");
+  EXPECT_EQ(
+      error_of([&] { load_hologram(coloured); }),
+      coloured +
+          ": expected a grey hologram, got a coloured pixel at row 0, column 1; name the channel, red, green or blue");
   EXPECT_EQ(error_of([] { save_hologram("h.jpg", all_levels(2, Modulation::phase)); }),
-            "expected a hologram file .png, got h.jpg; change its extension");
+            "expected a hologram file .png, .bmp, .tif, .npy or .csv, got h.jpg; change its extension");
   Hologram wrong = all_levels(2, Modulation::phase);
   wrong.level(0, 0) = 2;
   EXPECT_EQ(error_of([&] { save_hologram("h.png", wrong); }),

@@ -6,6 +6,9 @@
 
 namespace holotrace {
 
+/// The channel of a picture whose values are a hologram's.
+enum class Channel { grey, red, green, blue };
+
 /// What holograms of other programs do not say of themselves. Holograms of this one keep it as metadata.
 struct HologramParams {
   ImageSide image = ImageSide::virtual_image;  ///< side of the panel on which it shows its picture
@@ -14,6 +17,7 @@ struct HologramParams {
   double pitch = 0;                            ///< pixel pitch [m]; 0: the panel's
   double range = 0;                            ///< phase range (Slm::phase_range) [rad]; 0: the panel's own
   double wavelength = 0;                       ///< that it was made for [m]; 0: not known
+  Channel channel = Channel::grey;             ///< grey: all channels are equal
 };
 
 template <class Visitor>
@@ -31,6 +35,9 @@ void describe(Visitor&& v, HologramParams& p) {
           "phase range of the panel: phase that all levels together span, 360 deg for a full cycle; 0 deg: the panel's "
           "own value"));
   v(length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known"));
+  v(choice("channel", p.channel,
+           {{"grey", Channel::grey}, {"red", Channel::red}, {"green", Channel::green}, {"blue", Channel::blue}},
+           "channel with the hologram in a coloured picture without metadata"));
 }
 
 }  // namespace holotrace

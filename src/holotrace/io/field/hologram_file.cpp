@@ -21,85 +21,121 @@
 #include "holotrace/io/files/text.h"
 #include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
 
-// Levels as the greys of a PNG (hologram_file.h has the formula), and the text inside it.
-
 /// The text of a PNG that holds the metadata of a hologram.
 constexpr const char* metadata_name = "holotrace";
 
-struct Greys {
-  int nx = 0, ny = 0, bits = 8;
-  std::string metadata;          ///< empty if the file has none
-  std::vector<uint16_t> values;  ///< [row][column]
+// The values of a hologram's file before it is known what they mean.
+struct StoredLevels {
+  enum class Kind { greys, levels, phases };
+  Kind kind = Kind::greys;
+  int nx = 0, ny = 0, bits = 8, channels = 1;
+  std::string metadata{};        ///< empty if the file has none
+  std::vector<double> values{};  ///< [row][column][channel]
+
+  double at(size_t pixel, Channel channel) const {
+    return values[pixel * size_t(channels) + (channels > 2 ? size_t(std::max(0, int(channel) - 1)) : 0)];
+  }
+  std::string place_of(size_t pixel) const {
+    return fmt::format("row {}, column {}", pixel / size_t(nx), pixel % size_t(nx));
+  }
 };
 
-// Grey values per level: the grey of level ℓ is round(ℓ·scale).
-double grey_scale(int levels, Modulation modulation, int bits) {
-  const double greys = bits == 8 ? 256 : 65536;
-  return modulation == Modulation::amplitude ? (greys - 1) / (levels - 1) : greys / levels;
+StoredLevels read_table_of_levels(const std::string& path) {
+  PanelTable table = load_panel_table(path);
+  StoredLevels stored{.kind = table.are_phases ? StoredLevels::Kind::phases : StoredLevels::Kind::levels,
+                      .nx = table.values.nx,
+                      .ny = table.values.ny};
+  stored.values.assign(table.values.values.begin(), table.values.values.end());
+  if (!stored.values.empty() && *std::max_element(stored.values.begin(), stored.values.end()) > 255) stored.bits = 16;
+  return stored;
 }
 
-/// The grey of a level, in 8 or 16 bits.
-uint16_t grey_of(uint16_t level, int levels, Modulation modulation, int bits) {
-  return uint16_t(std::lround(level * grey_scale(levels, modulation, bits)));
-}
-
-/// @throws Error naming the file if it is not a grey image of 8 or 16 bits, or is truncated
-Greys read_greys(const std::string& path) {
+/// @throws Error naming the file if it is neither an image of 8 or 16 bits nor a table, or is truncated
+StoredLevels read_stored_levels(const std::string& path) {
+  if (holds_levels(path)) return read_table_of_levels(path);
   const std::optional<Picture> picture = read_picture(path);
   require(picture.has_value(),
           "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
   require(picture->type != SampleType::floats, "{}: expected a hologram in 8 or 16 bits, got floats; write it as a PNG",
           path);
-  const size_t count = size_t(picture->columns) * size_t(picture->rows), channels = picture->channels.size();
-  Greys greys{picture->columns, picture->rows, picture->type == SampleType::bits_8 ? 8 : 16,
-              picture->text(metadata_name), std::vector<uint16_t>(count)};
-  const auto copy = [&](const auto& values) {
-    for (size_t i = 0; i < count; ++i) {
-      const auto* pixel = values.data() + i * channels;
-      require(channels < 3 || (pixel[0] == pixel[1] && pixel[1] == pixel[2]),
-              "{}: expected a grey hologram, got a coloured pixel at row {}, column {}", path, i / size_t(greys.nx),
-              i % size_t(greys.nx));
-      greys.values[i] = uint16_t(pixel[0]);
-    }
-  };
-  std::visit(copy, picture->samples);
-  return greys;
+  StoredLevels stored{.nx = picture->columns,
+                      .ny = picture->rows,
+                      .bits = picture->type == SampleType::bits_8 ? 8 : 16,
+                      .channels = int(picture->channels.size()),
+                      .metadata = picture->text(metadata_name)};
+  std::visit([&](const auto& samples) { stored.values.assign(samples.begin(), samples.end()); }, picture->samples);
+  return stored;
 }
 
-/// Writes levels as greys. @throws Error for a level that is not below `levels`, and where NewFile throws
-void write_greys(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
-                 const std::string& metadata = "") {
-  const int bits = levels <= 256 ? 8 : 16;
-  std::vector<uint16_t> greys;
-  greys.reserve(levels_of_pixels.size());
-  for (uint16_t level : levels_of_pixels.values) {
+// The first pixel whose red, green and blue differ.
+std::optional<size_t> first_coloured(const StoredLevels& stored) {
+  if (stored.channels < 3) return std::nullopt;
+  const auto count = size_t(stored.channels);
+  for (size_t i = 0; i < stored.values.size(); i += count)
+    if (stored.values[i] != stored.values[i + 1] || stored.values[i] != stored.values[i + 2]) return i / count;
+  return std::nullopt;
+}
+
+// The levels as the values that files of that ending hold.
+PanelImage stored_image(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels,
+                        Modulation modulation) {
+  PanelImage image{levels_of_pixels.nx, levels_of_pixels.ny, 1, grey_bits(levels), {}};
+  image.values.reserve(levels_of_pixels.size());
+  for (const uint16_t level : levels_of_pixels.values) {
     require(level < levels, "expected levels below {} in the hologram to save as {}, got {}", levels, path, level);
-    greys.push_back(grey_of(level, levels, modulation, bits));
+    image.values.push_back(holds_levels(path) ? level : grey_of(level, levels, modulation));
   }
-  const std::vector<uint8_t> bytes(greys.begin(), greys.end());
-  PngHeader header{levels_of_pixels.nx, levels_of_pixels.ny, 1, bits, false, {}};
-  if (!metadata.empty()) header.texts[metadata_name] = metadata;
-  write_png(path, header, bits == 8 ? static_cast<const void*>(bytes.data()) : greys.data());
+  return image;
 }
 
-/// The levels that greys mean.
+/// Writes levels. @throws Error for a level that is not below `levels`, and where save_panel_image throws
+void write_levels(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
+                  const std::string& metadata = "") {
+  const PanelImage image = stored_image(path, levels_of_pixels, levels, modulation);
+  if (metadata.empty()) return save_panel_image(path, image);
+  const std::vector<uint8_t> bytes(image.values.begin(), image.values.end());
+  PngHeader header{image.columns, image.rows, 1, image.bits, false, {{metadata_name, metadata}}};
+  write_png(path, header, image.bits == 8 ? static_cast<const void*>(bytes.data()) : image.values.data());
+}
+
+/// The levels that the values of a file mean.
 /// @param source  file with the number of levels, for errors
-/// @throws Error naming `path` for a grey that is no level
-Array2D<uint16_t> levels_of(const Greys& greys, int levels, Modulation modulation, const std::string& path,
-                            const std::string& source) {
-  const double scale = grey_scale(levels, modulation, greys.bits);
-  Array2D<uint16_t> out(greys.ny, greys.nx);
-  for (size_t i = 0; i < greys.values.size(); ++i) {
-    const long level = std::lround(greys.values[i] / scale);
-    require(level < levels && std::lround(double(level) * scale) == greys.values[i],
-            "{}: expected the greys of {} levels, got {} at row {}, column {}; correct \"levels\" in {} or write the "
-            "hologram again, without scaling or compression loss",
-            path, levels, greys.values[i], i / size_t(greys.nx), i % size_t(greys.nx), source);
+/// @throws Error naming `path` for a value that is no level
+Array2D<uint16_t> levels_of(const StoredLevels& stored, Channel channel, int levels, Modulation modulation,
+                            const std::string& path, const std::string& source) {
+  if (channel == Channel::grey) {
+    if (const std::optional<size_t> coloured = first_coloured(stored))
+      fail("{}: expected a grey hologram, got a coloured pixel at {}; name the channel, red, green or blue", path,
+           stored.place_of(*coloured));
+  } else {
+    require(stored.channels >= 3,
+            "{}: expected a coloured picture for its channel {}, got a grey one; leave out the channel", path,
+            channel == Channel::red     ? "red"
+            : channel == Channel::green ? "green"
+                                        : "blue");
+  }
+  Array2D<uint16_t> out(stored.ny, stored.nx);
+  const double scale = stored.kind == StoredLevels::Kind::greys ? greys_per_level(levels, modulation, stored.bits) : 1;
+  for (size_t i = 0; i < out.size(); ++i) {
+    const double value = stored.at(i, channel);
+    if (stored.kind == StoredLevels::Kind::phases) {
+      require(std::isfinite(value), "{}: expected finite phases, got {} at {}", path, value, stored.place_of(i));
+      const double turns = value / (2 * pi);
+      out.values[i] = uint16_t(std::lround((turns - std::floor(turns)) * levels) % levels);
+      continue;
+    }
+    const double level = std::round(value / scale);
+    require(
+        level >= 0 && level < levels && std::round(level * scale) == value,
+        "{}: expected the {} of {} levels, got {} at {}; correct \"levels\" in {} or write the hologram again, without "
+        "scaling or compression loss",
+        path, scale == 1 && holds_levels(path) ? "values" : "greys", levels, value, stored.place_of(i), source);
     out.values[i] = uint16_t(level);
   }
   return out;
@@ -110,13 +146,13 @@ void check_levels(double levels, const std::string& path) {
           path, levels);
 }
 
-// Path of a file beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, and
+// Path of a file beside a hologram: "out/h.png" → "out/h_modulus.png", the amplitudes of a complex one, with its ending, and
 // "out/h_phase_map.exr" and "out/h_light_map.exr", the maps of its panel.
 std::string beside(const std::string& path, const char* ending) {
   return path.substr(0, path.size() - extension_of(path).size()) + ending;
 }
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
-std::string modulus_path(const std::string& path) { return beside(path, "_modulus.png"); }
+std::string modulus_path(const std::string& path) { return path_with_suffix(path, "_modulus"); }
 std::string phase_map_path(const std::string& path) { return beside(path, "_phase_map.exr"); }
 
 std::string light_map_path(const std::string& path) { return beside(path, "_light_map.exr"); }
@@ -145,6 +181,10 @@ void check_viewing(const ViewingConditions& viewing, const std::string& sidecar)
 // The hologram of metadata; the maps of its panel are files beside it. @param hologram  with defaults for absent values
 void read_hologram(const nlohmann::json& json, const std::string& path, const std::string& sidecar,
                    Hologram& hologram) {
+  require(
+      json.value("kind", "") != panel_image_kind,
+      "{}: expected a hologram, got a picture for a panel ({} says what was done to it); use the hologram that it was made of",
+      path, sidecar);
   MetadataReader reader(json, sidecar);
   members(reader, hologram);
   require(hologram.grid.pitch >= 0 && hologram.wavelength >= 0,
@@ -188,11 +228,27 @@ std::string metadata_in(const std::string& path) {
   return extension_of(path) == ".png" ? text_in_image(path, metadata_name) : "";
 }
 
+// The metadata of a hologram's file, and the file that has them; null if there are none.
+struct Metadata {
+  nlohmann::json json;
+  std::string file;
+};
+
+Metadata metadata_of(const std::string& path) {
+  const std::string inside = metadata_in(path);
+  if (!inside.empty()) return {parse_metadata(inside, path), path};
+  const std::string beside = hologram_sidecar(path);
+  if (beside.empty()) return {nullptr, path};
+  return {read_metadata(beside), beside};
+}
+
 }  // namespace
 
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
                    const std::function<FileRecord()>& files) {
-  require(extension_of(path) == ".png", "expected a hologram file .png, got {}; change its extension", path);
+  const std::vector<std::string>& endings = panel_image_endings();
+  require(std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end(),
+          "expected a hologram file .png, .bmp, .tif, .npy or .csv, got {}; change its extension", path);
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
           path, hologram.level.nx, hologram.level.ny);
@@ -212,7 +268,7 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
   if (hologram.modulation == Modulation::complex) {
     const std::string modulus = modulus_path(path);
     json["modulus"] = file_name(modulus);
-    write_greys(modulus, hologram.modulus_level, hologram.levels, Modulation::amplitude);
+    write_levels(modulus, hologram.modulus_level, hologram.levels, Modulation::amplitude);
   }
   if (part.count > 1) {
     json["part"] = part.number;
@@ -221,9 +277,9 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
   if (const FileRecord record = files ? files() : FileRecord(); !record.empty())
     json["files"] = record_json(record_inside(path, record));
   const std::string text = json.dump(-1, ' ', true);  // ASCII, as PNG asks for
-  const bool is_inside = text.size() <= longest_text;
+  const bool is_inside = extension_of(path) == ".png" && text.size() <= longest_text;
   if (!is_inside) write_text(sidecar_path(path), text + "\n");
-  write_greys(path, hologram.level, hologram.levels, hologram.modulation, is_inside ? text : "");
+  write_levels(path, hologram.level, hologram.levels, hologram.modulation, is_inside ? text : "");
 }
 
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms) {
@@ -236,84 +292,83 @@ void save_holograms(const OutputSet& set, const std::string& name, const std::ve
   if (!holograms.empty()) save(0, [&] { return set.record_since(before); });
 }
 
-std::vector<uint8_t> greys_of(const Hologram& hologram) {
-  require(hologram.levels <= 256, "expected at most 256 levels for greys of 8 bits, got {}", hologram.levels);
-  std::vector<uint8_t> greys;
-  for (const uint16_t level : hologram.level.values)
-    greys.push_back(uint8_t(grey_of(level, hologram.levels, hologram.modulation, 8)));
-  return greys;
+std::vector<Channel> hologram_channels(const std::string& path) {
+  check_file_exists(path, "a hologram");
+  if (is_hologram_file(path) || holds_levels(path)) return {Channel::grey};
+  if (!first_coloured(read_stored_levels(path))) return {Channel::grey};
+  return {Channel::red, Channel::green, Channel::blue};
 }
 
 bool is_hologram_file(const std::string& path) {
-  if (extension_of(path) != ".png" || !is_file(path)) return false;
+  const std::vector<std::string>& endings = panel_image_endings();
+  if (std::find(endings.begin(), endings.end(), extension_of(path)) == endings.end() || !is_file(path)) return false;
   if (!metadata_in(path).empty()) return true;
   const std::string sidecar = hologram_sidecar(path);
   return !sidecar.empty() && parse_json_if_sound(read_text(sidecar)).contains("modulation");
 }
 
 SeriesPart series_part(const std::string& path) {
-  const std::string text = metadata_in(path);
-  if (text.empty()) return {};
-  const nlohmann::json json = parse_metadata(text, path);
+  const Metadata metadata = metadata_of(path);
+  if (metadata.json.is_null()) return {};
   uint32_t number = 1, count = 1;
-  MetadataReader(json, path)(key("part", number), key("parts", count));
+  MetadataReader(metadata.json, metadata.file)(key("part", number), key("parts", count));
   return {number, count};
 }
 
 FileRecord hologram_record(const std::string& path) {
-  const nlohmann::json json = parse_json_if_sound(metadata_in(path));
+  const std::string inside = metadata_in(path);
+  if (inside.empty()) return record_beside(path);
+  const nlohmann::json json = parse_json_if_sound(inside);
   return json.contains("files") ? record_outside(path, record_from(json["files"])) : FileRecord();
 }
 
 ViewingConditions viewing_of_file(const std::string& path) {
   check_file_exists(path, "a hologram");
-  const std::string text = metadata_in(path), beside = text.empty() ? hologram_sidecar(path) : "";
-  if (text.empty() && beside.empty()) return {};
-  const nlohmann::json json = beside.empty() ? parse_metadata(text, path) : read_metadata(beside);
+  const Metadata metadata = metadata_of(path);
   ViewingConditions viewing;
-  if (json.contains("viewing")) {
-    const std::string& place = beside.empty() ? path : beside;
-    MetadataReader reader(json["viewing"], place);
+  if (metadata.json.contains("viewing")) {
+    MetadataReader reader(metadata.json["viewing"], metadata.file);
     members(reader, viewing);
-    check_viewing(viewing, place);
+    check_viewing(viewing, metadata.file);
   }
   return viewing;
 }
 
 Hologram load_hologram(const std::string& path, const CompleteHologram& complete) {
   check_file_exists(path, "a hologram");
-  const Greys greys = read_greys(path);
+  const StoredLevels stored = read_stored_levels(path);
   Hologram hologram;
-  hologram.levels = greys.bits == 8 ? 256 : 65536;
-  hologram.grid.nx = greys.nx;
-  hologram.grid.ny = greys.ny;
-  const bool is_inside = !greys.metadata.empty();
-  const std::string beside = is_inside ? "" : hologram_sidecar(path), sidecar = beside.empty() ? path : beside;
-  if (is_inside || !beside.empty()) {
-    const nlohmann::json json = is_inside ? parse_metadata(greys.metadata, path) : read_metadata(beside);
-    read_hologram(json, path, sidecar, hologram);
-  }
+  hologram.levels = stored.bits == 8 ? 256 : 65536;
+  hologram.grid.nx = stored.nx;
+  hologram.grid.ny = stored.ny;
+  const Metadata metadata = metadata_of(path);
+  const bool has_metadata = !metadata.json.is_null();
+  if (has_metadata) read_hologram(metadata.json, path, metadata.file, hologram);
+  Channel channel = Channel::grey;
   if (complete) {
-    const bool has_metadata = is_inside || !beside.empty();
-    HologramParams given{hologram.image, hologram.modulation, hologram.levels, hologram.grid.pitch, 0, 0};
+    HologramParams given{hologram.image, hologram.modulation, hologram.levels, hologram.grid.pitch, 0, 0, channel};
     complete(given);
     require(
-        !has_metadata || (given.levels == hologram.levels && given.modulation == hologram.modulation),
-        "expected --levels and --modulation only for files without metadata, got them for {}, whose metadata say {} levels; leave them out",
+        !has_metadata || (given.levels == hologram.levels && given.modulation == hologram.modulation &&
+                          given.channel == Channel::grey),
+        "expected --levels, --modulation and --channel only for files without metadata, got them for {}, whose metadata say {} "
+        "levels; leave them out",
         path, hologram.levels);
     if (given.levels > 0) hologram.levels = given.levels;
     hologram.image = given.image;
     hologram.modulation = given.modulation;
     hologram.grid.pitch = given.pitch;
     if (hologram.wavelength == 0) hologram.wavelength = given.wavelength;
+    channel = given.channel;
   }
-  hologram.level = levels_of(greys, hologram.levels, hologram.modulation, path, sidecar);
+  hologram.level = levels_of(stored, channel, hologram.levels, hologram.modulation, path, metadata.file);
   if (hologram.modulation == Modulation::complex) {
     const std::string modulus = modulus_path(path);
     check_file_exists(modulus, "the amplitudes of a complex hologram");
-    hologram.modulus_level = levels_of(read_greys(modulus), hologram.levels, Modulation::amplitude, modulus, sidecar);
-    require(hologram.modulus_level.nx == greys.nx && hologram.modulus_level.ny == greys.ny,
-            "{}: expected {} × {} pixels, as {} has, got {} × {}", modulus, greys.nx, greys.ny, path,
+    hologram.modulus_level = levels_of(read_stored_levels(modulus), Channel::grey, hologram.levels,
+                                       Modulation::amplitude, modulus, metadata.file);
+    require(hologram.modulus_level.nx == stored.nx && hologram.modulus_level.ny == stored.ny,
+            "{}: expected {} × {} pixels, as {} has, got {} × {}", modulus, stored.nx, stored.ny, path,
             hologram.modulus_level.nx, hologram.modulus_level.ny);
   }
   return hologram;

@@ -16,18 +16,18 @@ struct SeriesPart {
   size_t number = 1, count = 1;  ///< which one it is, from 1, and how many there are
 };
 
-/// Writes the levels of a hologram as a PNG of linear grey values, not sRGB-coded. It holds, as the text "holotrace", a
-/// JSON object with the keys of Hologram in data/members.h, and with kind, modulus, part, parts and files
-/// (docs/reference/file_formats.md describes each). If that is too long for a PNG, it is beside it, in NAME.png.json. For M
-/// levels:
+/// Writes the levels of a hologram as linear grey values, not sRGB-coded (.png, .bmp, .tif), or as they are (.npy, .csv). The
+/// metadata are a JSON object with the keys of Hologram in data/members.h, and with kind, modulus, part, parts and files
+/// (docs/reference/file_formats.md describes each): in a PNG as the text "holotrace"; beside other files, and beside a PNG that
+/// cannot hold so much, in NAME.png.json. For M levels:
 ///
 ///     phase:      grey = round(ℓ·256/M)      in 8 bits (M ≤ 256), or round(ℓ·65536/M) in 16 bits
 ///     amplitude:  grey = round(ℓ·255/(M−1))  in 8 bits (M ≤ 256), or round(ℓ·65535/(M−1)) in 16 bits
 ///
 /// so that the 8-bit grey g always means the phase 2πg/256 or the amplitude g/255.
-/// The amplitudes of a complex hologram are in a second PNG, NAME_modulus.png. `slm` has the panel's figures and all
+/// The amplitudes of a complex hologram are in a second file, NAME_modulus.png. `slm` has the panel's figures and all
 /// its effects, so the hologram does not need the panel's own file. A phase map is an image
-/// beside it, NAME_phase_map.exr [rad], and a light map NAME_light_map.exr, with the PNG's name. `effects` are those that the
+/// beside it, NAME_phase_map.exr [rad], and a light map NAME_light_map.exr, with the hologram's name. `effects` are those that the
 /// levels compensate.
 /// @param part    its place in a series
 /// @param files   the files that belong to this one, as the next call must know them, when its own are written; none: no
@@ -39,10 +39,11 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
 /// Writes a series of holograms into a set as NAME, NAME_2, …; the first one records the others.
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms);
 
-/// The 8-bit greys of a hologram's levels, by the formula above, [row][column]. @throws Error for more than 256 levels
-std::vector<uint8_t> greys_of(const Hologram& hologram);
+/// The channels of a file that hold a hologram each: red, green and blue of a coloured picture without metadata, else grey.
+/// @throws Error as load_hologram does for a file that is neither a picture nor a table
+std::vector<Channel> hologram_channels(const std::string& path);
 
-/// Whether a file is a PNG with the metadata of a hologram.
+/// Whether a file has the metadata of a hologram, in it or beside it.
 bool is_hologram_file(const std::string& path);
 
 /// What save_hologram was told about the series and the files; nothing if the file holds no metadata.
@@ -56,9 +57,10 @@ ViewingConditions viewing_of_file(const std::string& path);
 /// Changes what a hologram's file says of itself, or says it if the file has no metadata.
 using CompleteHologram = std::function<void(HologramParams&)>;
 
-/// Reads what save_hologram wrote, and the sidecars NAME.json of earlier versions. Without metadata: a phase hologram of 256 or 65536 levels by the
-/// bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.
-/// @throws Error naming the file if it is not an image, has colours, or has greys that are no level; and if a
+/// Reads what save_hologram wrote, the sidecars NAME.json of earlier versions, and holograms of other programs: pictures, tables
+/// of levels, and .npy of phases as floats [rad], which become the nearest levels. Without metadata: a phase hologram of 256 or
+/// 65536 levels by the bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.
+/// @throws Error naming the file if it is neither, has colours and no channel is named, or has values that are no level; and if a
 ///         phase map or amplitudes that the metadata name are missing; for other levels or another modulation than
 ///         those of the metadata
 /// @param complete  asked for what flags say; the wavelength counts only for a file without metadata

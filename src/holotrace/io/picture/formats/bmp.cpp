@@ -2,6 +2,8 @@
 #include <array>
 #include <bit>
 
+#include "holotrace/base/error.h"
+#include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/formats/header_fields.h"
 
@@ -158,6 +160,43 @@ std::optional<Picture> read_bmp(ByteSource& source, const HeaderCheck& wants) {
   source.seek(header.pixels_at);
   picture.is_complete = read_bmp_pixels(source, header, picture);
   return picture;
+}
+
+void write_bmp(const std::string& path, int columns, int rows, int channels, const uint8_t* samples) {
+  const size_t width = size_t(columns) * size_t(channels), row_size = (width + 3) / 4 * 4;
+  const size_t colours = channels == 1 ? 256 : 0, begin = 14 + 40 + 4 * colours, size = row_size * size_t(rows);
+  require(begin + size <= INT32_MAX, "expected at most 2 GiB for the BMP {}, got {} × {} pixels; write a TIFF or PNG",
+          path, columns, rows);
+  std::vector<uint8_t> header{'B', 'M'};
+  const auto put = [&](size_t number, int bytes) {
+    for (int i = 0; i < bytes; ++i) header.push_back(uint8_t(number >> 8 * i));
+  };
+  put(begin + size, 4);
+  put(0, 4);
+  put(begin, 4);
+  put(40, 4);  // a BITMAPINFOHEADER
+  put(size_t(columns), 4);
+  put(size_t(rows), 4);
+  put(1, 2);  // plane
+  put(8 * size_t(channels), 2);
+  put(none, 4);
+  put(size, 4);
+  put(0, 8);  // pixels per metre: not told
+  put(colours, 4);
+  put(0, 4);  // all colours count
+  for (size_t grey = 0; grey < colours; ++grey) put(grey * 0x10101, 4);
+  NewFile file(path);
+  file.put(header.data(), header.size());
+  std::vector<uint8_t> row(row_size, 0);
+  for (int j = rows - 1; j >= 0; --j) {
+    const uint8_t* from = samples + size_t(j) * width;
+    if (channels == 1)
+      std::copy_n(from, width, row.begin());
+    else
+      for (size_t i = 0; i < width; ++i) row[i] = from[i / 3 * 3 + 2 - i % 3];  // blue, green, red
+    file.put(row.data(), row.size());
+  }
+  file.finish();
 }
 
 }  // namespace holotrace

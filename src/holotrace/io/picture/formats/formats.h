@@ -81,6 +81,18 @@ struct PngHeader {
 /// @throws Error where NewFile does
 void write_png(const std::string& path, const PngHeader& header, const void* samples);
 
+/// Writes a BMP, completely or not at all: 8 bits with a palette of greys for 1 channel, 24 bits for 3. Rows go from the
+/// bottom up, as the format's description has them.
+/// @param samples  [row][column][channel]
+/// @throws Error where NewFile does, and for more bytes than the format can count
+void write_bmp(const std::string& path, int columns, int rows, int channels, const uint8_t* samples);
+
+/// Writes a TIFF of one strip without compression, by libtiff, completely or not at all.
+/// @param bits     8 or 16
+/// @param samples  [row][column][channel] of 1 or 3 channels, uint8_t or uint16_t
+/// @throws Error where NewFile does, and without libtiff
+void write_tiff(const std::string& path, int columns, int rows, int channels, int bits, const void* samples);
+
 /// An EXR of floats, compressed by zip, without a time stamp: the same content gives the same bytes.
 struct ExrHeader {
   int columns = 0, rows = 0;

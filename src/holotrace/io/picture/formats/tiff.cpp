@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/formats/formats.h"
 
 namespace holotrace {
@@ -29,8 +30,7 @@ class LibtiffFunction {
 
   static void* library() {
     static void* const found = dlopen(file_, RTLD_NOW | RTLD_LOCAL);
-    require(found != nullptr,
-            "expected libtiff 4.5 or later to read a TIFF, got \"{}\"; install libtiff6, or save the picture as a PNG",
+    require(found != nullptr, "expected libtiff 4.5 or later for a TIFF, got \"{}\"; install libtiff6, or use a PNG",
             found ? "" : dlerror());
     return found;
   }
@@ -56,6 +56,8 @@ struct Libtiff {
   decltype(&TIFFReadScanline) read_scanline = LibtiffFunction("TIFFReadScanline");
   decltype(&TIFFTileSize) tile_size = LibtiffFunction("TIFFTileSize");
   decltype(&TIFFReadTile) read_tile = LibtiffFunction("TIFFReadTile");
+  decltype(&TIFFWriteEncodedStrip) write_strip = LibtiffFunction("TIFFWriteEncodedStrip");
+  decltype(&TIFFFlush) flush = LibtiffFunction("TIFFFlush");
   decltype(&TIFFReadRGBAImageOriented) read_rgba = LibtiffFunction("TIFFReadRGBAImageOriented");
   decltype(&TIFFRGBAImageOK) can_read_rgba = LibtiffFunction("TIFFRGBAImageOK");
 };
@@ -79,21 +81,31 @@ toff_t seek(thandle_t handle, toff_t offset, int from) {
   return source.place();
 }
 
-Tiff open(ByteSource& source, tmsize_t most_memory) {
+// What libtiff calls for the bytes of a file.
+struct TiffAccess {
+  const char* mode;
+  TIFFReadWriteProc read, write;
+  TIFFSeekProc seek;
+  TIFFSizeProc size;
+};
+
+Tiff open(const std::string& name, thandle_t handle, const TiffAccess& access, tmsize_t most_memory) {
   TIFFOpenOptions* options = libtiff().make_options();
   const auto silent = [](TIFF*, void*, const char*, const char*, va_list) { return 1; };
   libtiff().set_error_handler(options, silent, nullptr);
   libtiff().set_warning_handler(options, silent, nullptr);
   libtiff().set_most_memory(options, most_memory);
   TIFF* file = libtiff().open(
-      source.name().c_str(), "rm", &source, read, [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; }, seek,
-      [](thandle_t) { return 0; }, [](thandle_t handle) { return toff_t(source_of(handle).size()); }, nullptr, nullptr,
-      options);
+      name.c_str(), access.mode, handle, access.read, access.write, access.seek, [](thandle_t) { return 0; },
+      access.size, nullptr, nullptr, options);
   libtiff().free_options(options);
   return {file, [](TIFF* one) {
             if (one) libtiff().close(one);
           }};
 }
+
+constexpr TiffAccess reading{"rm", read, [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; }, seek,
+                             [](thandle_t handle) { return toff_t(source_of(handle).size()); }};
 
 template <class Value>
 Value tag(TIFF* file, uint32_t name, Value otherwise) {
@@ -204,7 +216,7 @@ void invert(Samples& samples) {
 
 std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
   const auto most_memory = tmsize_t(std::min<uint64_t>(4096 * source.size() + (1 << 26), uint64_t(1) << 33));
-  const Tiff file = open(source, most_memory);
+  const Tiff file = open(source.name(), &source, reading, most_memory);
   if (!file) return std::nullopt;
   const auto columns = tag<uint32_t>(file.get(), TIFFTAG_IMAGEWIDTH, 0),
              rows = tag<uint32_t>(file.get(), TIFFTAG_IMAGELENGTH, 0);
@@ -231,6 +243,60 @@ std::optional<Picture> read_tiff(ByteSource& source, const HeaderCheck& wants) {
   picture.is_complete = std::visit(read_all, picture.samples);
   if (layout.is_white_0) invert(picture.samples);
   return picture;
+}
+
+namespace {
+
+struct GrowingFile {
+  NewFile& file;
+  toff_t place = 0, end = 0;
+};
+
+GrowingFile& growing(thandle_t handle) { return *static_cast<GrowingFile*>(handle); }
+
+tmsize_t write(thandle_t handle, void* bytes, tmsize_t size) {
+  GrowingFile& to = growing(handle);
+  if (size < 0 || !to.file.put(bytes, size_t(size))) return -1;
+  to.place += toff_t(size);
+  to.end = std::max(to.end, to.place);
+  return size;
+}
+
+toff_t seek_growing(thandle_t handle, toff_t offset, int from) {
+  GrowingFile& to = growing(handle);
+  const toff_t place = from == SEEK_SET ? offset : (from == SEEK_CUR ? to.place : to.end) + offset;
+  if (!to.file.seek(int64_t(place))) return toff_t(-1);
+  return to.place = place;
+}
+
+constexpr TiffAccess writing{"w", [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; }, write, seek_growing,
+                             [](thandle_t handle) { return growing(handle).end; }};
+
+}  // namespace
+
+void write_tiff(const std::string& path, int columns, int rows, int channels, int bits, const void* samples) {
+  NewFile file(path);
+  GrowingFile to{file};
+  {
+    const Tiff tiff = open(path, &to, writing, 0);
+    require(tiff != nullptr, "expected to write the TIFF {}, but libtiff cannot", path);
+    const auto set = [&](uint32_t name, int value) { libtiff().set_field(tiff.get(), name, value); };
+    set(TIFFTAG_IMAGEWIDTH, columns);
+    set(TIFFTAG_IMAGELENGTH, rows);
+    set(TIFFTAG_SAMPLESPERPIXEL, channels);
+    set(TIFFTAG_BITSPERSAMPLE, bits);
+    set(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+    set(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    set(TIFFTAG_PHOTOMETRIC, channels == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+    set(TIFFTAG_ROWSPERSTRIP, rows);
+    const auto size = tmsize_t(columns) * rows * channels * (bits / 8);
+    const tmsize_t written = libtiff().write_strip(tiff.get(), 0, const_cast<void*>(samples), size);  // only read
+    file.check();
+    require(written == size && libtiff().flush(tiff.get()) == 1,
+            "expected to write {} as a TIFF of {} × {} pixels, but it cannot hold them; use fewer pixels", path,
+            columns, rows);
+  }
+  file.finish();
 }
 
 }  // namespace holotrace

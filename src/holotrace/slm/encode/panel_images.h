@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "holotrace/base/array.h"
+#include "holotrace/base/observer.h"
+#include "holotrace/data/hologram.h"
+#include "holotrace/data/panel_image.h"
+#include "holotrace/data/params/panel_image.h"
+
+namespace holotrace {
+
+/// What the maker of a panel gives with it.
+struct PanelTables {
+  std::vector<uint16_t> lut{};  ///< value that is sent for each grey or level; empty: the grey or level itself
+  Array2D<float> correction{};  ///< phase that is added, a value per pixel [cycles]; empty: none
+};
+
+/// What the values of a picture count, before the table `lut`.
+enum class PanelValue { grey, level };
+
+/// The pictures that panels get for holograms: added phases, the vendor's table, mirrored and turned, several in one.
+///
+///     phase:  φ(x, y) = φ(ℓ) + 2π·(correction + x/Λx + y/Λy) − 2π·(√(r² + f²) − |f|)·sign(f)/λ,  r² = x² + y²
+///
+/// The level whose phase is nearest is sent; its steps are those that the hologram's levels know (its `effects`). The blaze
+/// turns light by asin(λ/Λ) toward +x and +y; the lens makes a plane wave one that converges to the distance f.
+/// The order is: phases, table, flip, transpose, turn, pack. Without parameters and tables the pictures show the levels as
+/// hologram files do.
+///
+/// @param holograms  of one panel; for Packing::colours of three wavelengths, as many of each, of which the longest becomes
+///                   red; for bits of two levels each, of which 24 make a picture, and the last picture has 0 for what is missing
+/// @param value      greys of 8 or 16 bits (Hologram), or levels
+/// @throws Error     for holograms of phase and amplitude, phases to add to amplitudes, a table that has not a value for each
+///                   grey or level, a correction of another size, fringes finer than two pixels, a lens for a hologram without
+///                   wavelength or of several, and holograms that do not pack
+std::vector<PanelImage> panel_images(const std::vector<Hologram>& holograms, const PanelImageParams& params,
+                                     const PanelTables& tables, PanelValue value, const Observer& observer = {});
+
+}  // namespace holotrace
