@@ -4,8 +4,8 @@ import * as api from './api.js';
 import { buildControls, showCommand, showPanel, showQuality, showReport, writeControls } from './sections.js';
 import { isSmall, setPoints, show, showRender } from './stage.js';
 import { drawSpace, startSpace } from './space.js';
-import { showProgress } from './progress.js';
-import { distanceRange, onChange, query, session, state } from './state.js';
+import { redrawCurves, showProgress } from './progress.js';
+import { change, distanceRange, onChange, playRange, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
 const page = Math.random().toString(36).slice(2, 12);
@@ -88,6 +88,41 @@ onChange(values => {
   if (!('distance' in values)) drawSpace();  // a new focus is drawn with its view: software draws slowly
 });
 
+// Play: focus or eye go to and fro, a new draft as soon as the last one is shown, until anything is touched.
+const period = 6000;  // milliseconds there and back
+let playing = null;
+
+function stop() {
+  if (playing) $(`play-${playing.kind}`).setAttribute('aria-pressed', 'false');
+  playing = null;
+}
+
+function step() {
+  if (!playing) return;
+  if (running !== 'draft') {
+    const { kind, from, to, start, y, z } = playing;
+    const part = 0.5 - 0.5 * Math.cos((2 * Math.PI * (performance.now() - start)) / period);
+    const at = Number((from + (to - from) * part).toFixed(3));
+    change(kind === 'focus' ? { distance: at } : { eye: [at, y, z] });
+  }
+  requestAnimationFrame(step);
+}
+
+function play(kind) {
+  const isOn = playing?.kind === kind;
+  stop();
+  if (isOn || session.items.length === 0) return;
+  const { from, to, values } = playRange(kind);
+  if (Object.keys(values).length > 0) change(values);
+  playing = { kind, from, to, start: performance.now(), y: state.eye[1], z: state.eye[2] };
+  $(`play-${kind}`).setAttribute('aria-pressed', 'true');
+  step();
+}
+
+for (const kind of ['focus', 'parallax']) $(`play-${kind}`).addEventListener('click', () => play(kind));
+for (const what of ['pointerdown', 'wheel', 'keydown'])
+  addEventListener(what, event => { if (!event.target.closest?.('[id^="play-"]')) stop(); }, { capture: true, passive: true });
+
 function setRange() {
   const range = $('distance');
   [range.min, range.max] = distanceRange(session.depths_m.map(m => m * 1e3), session.defaults.distance_m * 1e3).map(String);
@@ -147,6 +182,7 @@ const themes = matchMedia('(prefers-color-scheme: dark)');
 function setTheme(name) {
   document.documentElement.dataset.theme = name;
   drawSpace();
+  redrawCurves();
 }
 $('theme').addEventListener('click', () => setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'));
 themes.addEventListener('change', () => setTheme(themes.matches ? 'dark' : 'light'));

@@ -2,8 +2,13 @@
 
 const $ = id => document.getElementById(id);
 
-/** Draws curves [{name, points: [[x, dB], …]}] on a canvas. */
+let shown = null;  // what is drawn, to draw it again in other colours
+
+/** Draws curves [{name, points: [[x, dB], …]}] on a canvas, in the colours of the theme. */
 function drawCurves(canvas, curves, label) {
+  shown = [canvas, curves, label];
+  const styles = getComputedStyle(document.documentElement), colour = name => styles.getPropertyValue(name).trim();
+  const colours = [1, 2, 3, 4].map(i => colour(`--curve-${i}`));
   const ratio = devicePixelRatio, wide = canvas.clientWidth || 340, high = 170;
   canvas.width = wide * ratio;
   canvas.height = high * ratio;
@@ -12,11 +17,9 @@ function drawCurves(canvas, curves, label) {
   const last = Math.max(...all.map(([at]) => at), 1e-9);
   const x = at => 58 + (at / last) * (wide - 70), y = loss => 12 + ((top - loss) / (top - bottom)) * (high - 44);
   paint.scale(ratio, ratio);
-  paint.fillStyle = '#10131a';
-  paint.fillRect(0, 0, wide, high);
-  paint.strokeStyle = '#3a4252';
-  paint.fillStyle = '#c6cede';
-  paint.font = '11px system-ui, sans-serif';
+  paint.strokeStyle = colour('--line');
+  paint.fillStyle = colour('--text');
+  paint.font = '12px system-ui, sans-serif';
   paint.textAlign = 'right';
   for (const loss of [top, (top + bottom) / 2, bottom]) {
     paint.beginPath();
@@ -28,16 +31,26 @@ function drawCurves(canvas, curves, label) {
   paint.textAlign = 'center';
   paint.fillText(label, wide / 2 + 20, high - 10);
   paint.lineWidth = 2;
-  ['#8ea6ff', '#f2a33c', '#5fd39a', '#ff8fb8'].forEach((colour, i) => {
-    if (!curves[i]) return;
-    paint.strokeStyle = colour;
+  curves.forEach((curve, i) => {
+    paint.strokeStyle = colours[i % colours.length];
     paint.beginPath();
-    curves[i].points.forEach(([at, loss], k) => (k === 0 ? paint.moveTo(x(at), y(loss)) : paint.lineTo(x(at), y(loss))));
+    curve.points.forEach(([at, loss], k) => (k === 0 ? paint.moveTo(x(at), y(loss)) : paint.lineTo(x(at), y(loss))));
     paint.stroke();
   });
   const one = curves[0].points;
   canvas.setAttribute('aria-label', `Loss: ${one[0][1].toFixed(1)} dB at the start, ${one.at(-1)[1].toFixed(1)} dB at the end`);
   canvas.dataset.points = String(all.length);
+  $('curves').replaceChildren(...curves.filter(curve => curve.name).map((curve, i) => {
+    const item = document.createElement('li');
+    item.textContent = curve.name;
+    item.style.setProperty('--mark', colours[i % colours.length]);
+    return item;
+  }));
+}
+
+/** Draws the curves again, after a change of the theme. */
+export function redrawCurves() {
+  if (shown) drawCurves(...shown);
 }
 
 // "loss -28.3 dB" as a number.

@@ -2,7 +2,7 @@
 
 import * as api from './api.js';
 import { showConvergence } from './progress.js';
-import { change, colourOf, query, session, state } from './state.js';
+import { change, colourOf, eye, onChange, playRange, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
 
@@ -47,6 +47,9 @@ readNumber($('pupil'), v => change({ pupil: v }));
 readNumber($('focal'), v => change({ focal: v }));
 readNumber($('exposure'), v => change({ exposure: v }));
 $('orders').addEventListener('change', () => change({ hasOrders: $('orders').checked }));
+$('preset-eye').addEventListener('click', () => change(eye));
+$('preset-all').addEventListener('click', () => change({ pupil: 0 }));
+onChange(() => $('quality').classList.add('old'));  // figures of what was before
 
 const wavelengthOf = item => item.wavelengths_m.join(' ');
 const textOf = item => item.wavelengths_m.map(w => `${(w * 1e9).toFixed(1).replace(/\.0$/, '')} nm`).join(' + ');
@@ -135,6 +138,7 @@ export function showQuality(metrics) {
     entries.push(entry('Contrast of the picture', metrics.contrast.toFixed(3)));
   }
   $('quality').replaceChildren(...entries);
+  $('quality').classList.remove('old');
 }
 
 /** Shows report.json: stages, times and warnings. */
@@ -169,7 +173,18 @@ export async function showCommand() {
   $('command').textContent = command || 'This view is not of holograms in files, so holotrace show cannot make it.';
   $('copy').hidden = !command;
   for (const ending of ['png', 'exr']) $(ending).href = `view.${ending}?${query()}`;
+  showFilms();
 }
+// A film goes where Play goes, with the present settings.
+function showFilms() {
+  const kind = $('film-of').value, { from, to, values } = playRange(kind);
+  const more = { sweep: kind, 'sweep-from': `${from} mm`, 'sweep-to': `${to} mm` };
+  const kept = Object.assign({}, state);
+  Object.assign(state, values);  // parallax needs an eye
+  for (const ending of ['gif', 'webp', 'mp4']) $(ending).href = `film.${ending}?${query(more)}`;
+  Object.assign(state, kept);
+}
+$('film-of').addEventListener('change', showFilms);
 $('copy').addEventListener('click', async () => {
   await navigator.clipboard?.writeText($('command').textContent).then(() => { $('status').textContent = 'copied'; }, () => {});
 });

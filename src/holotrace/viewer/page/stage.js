@@ -25,7 +25,8 @@ export function layOut() {
   }
   sheet.style.transform = `translate(${left}px, ${top}px) scale(${s})`;
   sheet.classList.toggle('large', s >= 2);
-  $('zoom-text').textContent = scale > 0 ? `${Math.round(s * 100)} %` : 'fit';
+  $('zoom-text').textContent = `${Math.round(s * 100)} %`;
+  $('zoom-fit').setAttribute('aria-pressed', String(scale === 0));
   const split = Number($('split').value) / 100;
   const isSplit = !render.hidden;
   render.style.clipPath = `inset(0 0 0 ${split * 100}%)`;
@@ -216,6 +217,8 @@ frame.addEventListener('pointermove', event => {
     left = press.left + dx;
     top = press.top + dy;
     layOut();
+  } else if (state.pupil === 0) {
+    $('readout').textContent = 'A pupil of 0 takes all light, so there is no eye to move: press Eye, or set a pupil.';
   }
 });
 

@@ -28,6 +28,25 @@ export function query(more = {}) {
   return parts.toString();
 }
 
+/** What an eye has: a pupil of 3 mm, 250 mm in front of the panel [mm]. */
+export const eye = { pupil: 3, eye: [0, 0, 250] };
+
+/**
+ * Where Play and films of a kind go [mm], and what they set before: focus over the slider, parallax over the places from which
+ * the whole panel is seen lit, but half a millimetre at least.
+ */
+export function playRange(kind) {
+  if (kind === 'focus') {
+    const range = document.getElementById('distance');
+    return { from: Number(range.min), to: Number(range.max), values: {} };
+  }
+  const values = state.pupil > 0 && state.eye[2] > 0 ? {} : { pupil: state.pupil || eye.pupil, eye: eye.eye };
+  const [x, , z] = values.eye ?? state.eye, panel = session.panel;
+  const lit = panel ? z * panel.acceptance_tangent - (panel.columns * panel.pitch_m * 1e3) / 2 : 0;
+  const reach = Number(clamp(lit, 0.5, 5).toFixed(2));
+  return { from: Number((x - reach).toFixed(2)), to: Number((x + reach).toFixed(2)), values };
+}
+
 const listeners = [];
 /** Calls `work(what)` after every change of the state. */
 export function onChange(work) { listeners.push(work); }
