@@ -21,6 +21,7 @@
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/run/save_run.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/estimate/job_estimate.h"

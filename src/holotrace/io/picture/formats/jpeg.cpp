@@ -3,7 +3,6 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
-#include <algorithm>
 #include <array>
 #include <csetjmp>
 
@@ -178,6 +177,7 @@ struct JpegWriter {
   JpegWriter() {
     info.err = jpeg_std_error(&errors);
     errors.error_exit = jump;
+    errors.output_message = [](j_common_ptr) {};
     target.init_destination = start_buffer;
     target.empty_output_buffer = empty_buffer;
     target.term_destination = put_rest;
