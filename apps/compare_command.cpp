@@ -283,7 +283,7 @@ void check_flags(const CompareOptions& o, bool is_field) {
   check_flag("--difference-range", o.difference_range, range::not_negative, Quantity::number);
   require(o.difference_range == 0 || !o.difference.empty(),
           "--difference-range needs a picture of the difference; add --difference FILE.png");
-  if (!o.output.empty()) check_output(o.output, {".png", ".exr"});
+  if (!o.output.empty()) check_output(o.output, image_endings);
   if (!o.difference.empty()) check_output(o.difference, {".png"});
   if (!o.profile.empty()) check_output(o.profile, {".png", ".svg"});
 }

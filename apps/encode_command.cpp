@@ -91,7 +91,8 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   command->callback([o, &global] {
     EncodeParams params;
     o->flags.apply(params);
-    check_output(o->output, panel_image_endings());
+    check_hologram_path(o->output);
+    check_output(o->output);
     if (!o->report.empty()) check_output(o->report, {".json"});
     if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
     const bool is_stack = is_focal_stack_file(o->input),

@@ -18,8 +18,10 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
 #include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/run/save_run.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/estimate/job_estimate.h"
@@ -160,7 +162,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
           "output folder for render.png, render.exr (radiance), hologram.png, view.png and report.json. Holograms of "
           "waves add sources.ply and field.npy; runs without sources.ply add points.ply (surface points for "
           "holotrace view). Several files of a kind: NAME, NAME_2, …. --sweep adds view_sweep_01.png, …, "
-          "view_sweep.gif and the chart view_sweep.png. [encode] eye adds view_beside.png, the view of an eye just "
+          "view_sweep.gif (--sweep-format) and the chart view_sweep.png. [encode] eye adds view_beside.png, the view of an eye just "
           "outside the eyebox. --eye-separation adds stereo_left.png, … (renders) and holo_left.png, … (views)")
       ->required()
       ->type_name("DIR");
@@ -210,6 +212,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
         !checkpoints.are_kept() || aims_at_scene(job),
         "expected --checkpoint only with the method sgd and the target render or light-field; give [encode] target, "
         "or leave out --checkpoint");
+    if (job.camera.sweep != Sweep::none) check_animation(sweep_paths(run_view, 0, job.camera.sweep_format).front());
     make_folder(o->folder);
     const FolderLock lock(o->folder);
     for (const std::string& path : run_paths(o->folder)) note_output(path);
@@ -231,9 +234,10 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   });
 }
 
-// PNG files are to look at; EXR and HDF5 files hold radiance.
+// PNG and JPEG files are to look at; EXR and HDF5 files hold radiance.
 PictureUse use_of(const std::string& output) {
-  return extension_of(output) == ".png" ? PictureUse::to_look_at : PictureUse::radiance;
+  const std::string ending = extension_of(output);
+  return ending == ".exr" || ending == ".h5" ? PictureUse::radiance : PictureUse::to_look_at;
 }
 
 // Traces and writes the focal stack that the scene or a flag asks for.
@@ -265,7 +269,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   add_scene(*command, o->scene);
   add_output(
       *command, o->output,
-      "image: .png or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
+      "image: .png, .jpg or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
   o->model.add(*command);
   add_report(*command, o->report);
@@ -280,8 +284,9 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     require(
         is_stack || extension_of(o->output) != ".h5",
         "expected --focal-stack for a picture in .h5, got none; give the distances of the planes, or another format");
-    check_output(o->output,
-                 is_stack ? std::vector<std::string>{".h5", ".exr", ".png"} : std::vector<std::string>{".png", ".exr"});
+    std::vector<std::string> endings = image_endings;
+    if (is_stack) endings.insert(endings.begin(), ".h5");
+    check_output(o->output, endings);
     Console console(global.is_quiet);
     console.keep_report(o->report);
     if (is_stack && extension_of(o->output) != ".h5")

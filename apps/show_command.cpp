@@ -15,7 +15,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/panel_hologram_file.h"
-#include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/view_holograms.h"
@@ -86,7 +86,7 @@ void check_series(const std::vector<Input>& inputs) {
 }
 
 // Notes the files beside the output: further distances, and the sweep.
-void note_outputs(const std::string& output, const std::vector<Viewpoint>& from) {
+void note_outputs(const std::string& output, const std::vector<Viewpoint>& from, SweepFormat format) {
   const auto count = [&](ViewKind kind) {
     return size_t(std::count_if(from.begin(), from.end(), [&](const Viewpoint& view) { return view.kind == kind; }));
   };
@@ -94,9 +94,10 @@ void note_outputs(const std::string& output, const std::vector<Viewpoint>& from)
   if (count(ViewKind::eye) > 0)
     for (const char* eye : {"_left", "_right", "_anaglyph"}) note_output(path_with_suffix(output, eye));
   for (size_t i = 1; i < views; ++i) note_output(numbered_path(output, i));
-  if (swept > 0 && extension_of(output) != ".gif")
-    for (const std::string& path : sweep_paths(output, swept))
-      if (is_there(path)) note_output(path);  // there may be many, and only those can be inputs
+  if (swept > 0)
+    for (const std::string& path : sweep_paths(output, swept, format))
+      if (path != series_path(output, 0) && is_there(path))  // the main one is noted
+        note_output(path);                                   // there may be many, and only those can be inputs
 }
 
 }  // namespace
@@ -116,9 +117,11 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
           "frames, different names are added, and different wavelengths become colours")
       ->required()
       ->type_name("HOLOGRAM.png|DIR");
-  add_output(*command, o->output,
-             "image: .png, or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, "
-             "…, NAME_sweep.gif and its chart NAME_sweep.png; .gif: only the animation of a sweep");
+  add_output(
+      *command, o->output,
+      "image: .png, .jpg or .exr (irradiance); several distances: NAME, NAME_2, …; a sweep adds NAME_sweep_01, …, "
+      "its animation NAME_sweep.gif and its chart NAME_sweep.png; .gif, .webp, .mp4, .webm: only the animation; "
+      "NAME_####.png: only its pictures NAME_0001.png, …");
   add_slm(*command, o->slm, "the one the hologram was made for, or pluto");
   add_report(*command, o->report);
   command
@@ -147,12 +150,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     o->flags.apply(camera);
     o->flags.apply(propagation);
     propagation.centre_x = propagation.centre_y = 0;  // these flags set the centre of the sensor
-    check_output(o->output, {".png", ".exr", ".gif"});
+    check_views_output(o->output, camera);
     if (!o->report.empty()) check_output(o->report, {".json"});
-    const bool is_animation = extension_of(o->output) == ".gif";
-    require(!is_animation || camera.sweep != Sweep::none,
-            "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png",
-            o->output);
     const std::vector<Input> inputs = holograms_of(o->inputs, o->flags);
     std::vector<double> wavelengths{0};
     if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
@@ -168,9 +167,10 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->eye_separation.empty())
       eyes.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
     std::vector<Viewpoint> from = viewpoints(camera, eyes);
-    if (is_animation) std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
+    if (is_sweep_alone(o->output))
+      std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
 
-    note_outputs(o->output, from);
+    note_outputs(o->output, from, camera.sweep_format);
     check_series(inputs);
 
     Console console(global.is_quiet);
@@ -180,11 +180,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
         [&](size_t i) { return load_input(inputs[i], o->slm, o->flags, wavelengths[is_one ? 0 : i], is_one); }};
     const SeriesViews seen = view_holograms(holograms, {params, propagation, camera, from}, report, console.stages());
     console.finish();
-    const std::string name = std::filesystem::path(o->output).filename().string();
-    say_warnings(write_together(o->output, image_record(o->output), [&](const OutputSet& set) {
-      save_views(set, name, {from, seen.views, seen.sweep, seen.stereo, camera},
-                 seen.sweep.images.empty() ? Observer() : console.watch("save the sweep"));
-    }));
+    say_warnings(write_views(o->output, {from, seen.views, seen.sweep, seen.stereo, camera},
+                             seen.sweep.images.empty() ? Observer() : console.watch("save the sweep")));
     console.finish();
     if (!o->report.empty()) save_report(o->report, report);
   });

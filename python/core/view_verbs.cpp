@@ -1,10 +1,5 @@
 // The verb view: what a camera sees of holograms, and its files.
 
-#include <filesystem>
-
-#include "holotrace/io/files/file.h"
-#include "holotrace/io/files/output.h"
-#include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/run/view_holograms.h"
 #include "holotrace/view/stereo.h"
@@ -53,13 +48,11 @@ nb::dict view_holograms(const std::vector<const Hologram*>& holograms, const std
 
 void save(const std::string& path, const SeriesViews& views, const ViewRecord& record, Watch& watch) {
   watch.run("save", [&](const Observer& observer) {
-    check_output(path, {".png", ".exr", ".gif"});
-    const std::string name = std::filesystem::path(path).filename().string();
+    check_views_output(path, record.camera);
     const std::vector<Viewpoint> from = viewpoints_of(record);
-    const std::vector<std::string> notes = write_together(path, image_record(path), [&](const OutputSet& set) {
-      save_views(set, name, {from, views.views, views.sweep, views.stereo, record.camera}, observer);
-    });
-    for (const std::string& note : notes) observer.warn(note);
+    for (const std::string& note :
+         write_views(path, {from, views.views, views.sweep, views.stereo, record.camera}, observer))
+      observer.warn(note);
     return true;
   });
 }

@@ -76,7 +76,7 @@ class Image(Noun):
         return float(_core.common_white([self._core], 0.0))
 
     def save(self, path: Path, *, white: float = 0.0, bits: int = 8) -> None:
-        """Write .png (sRGB; ``white`` is the value shown as white, 0: by the rule of views) or .exr (linear)."""
+        """Write .png or .jpg (sRGB; ``white`` is the value shown as white, 0: by the rule of views) or .exr (linear)."""
         self._core.save(os.fspath(path), number(white, "white"), count(bits, "bits"))
 
     def __repr__(self) -> str:

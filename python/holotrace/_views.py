@@ -42,7 +42,10 @@ class Views:
         return self.images[0]
 
     def save(self, path: Path) -> None:
-        """Write the files of ``holotrace show``: NAME.png or .exr, NAME_2, ..., with those of a sweep and a stereo pair."""
+        """Write the files of ``holotrace show``: NAME.png, .jpg or .exr, NAME_2, ..., with those of a sweep and a stereo pair.
+
+        NAME.gif, .webp, .mp4 or .webm is the animation of the sweep alone, NAME_####.png its pictures alone.
+        """
         made = {
             "views": [one._core for one in self.images],
             "white": self.white,

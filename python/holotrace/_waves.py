@@ -99,7 +99,7 @@ def show(hologram: Hologram, slm: Optional[Panel] = None, *, progress: Progress 
 
 
 @takes("camera", without=("distances", "exposure", "bits", "electrons", "read_noise", "noise_seed", "sweep",
-                          "sweep_views", "sweep_from", "sweep_to", "sweep_seconds"))
+                          "sweep_views", "sweep_from", "sweep_to", "sweep_seconds", "sweep_format"))
 def expose(
     field: Field,
     distance: Length,

@@ -119,6 +119,8 @@ def views():
     yield job("show-series",
               f"{one} --sweep focus --sweep-views 3 --sweep-from '28 mm' --sweep-to '32 mm' -o focus.png --report report.json",
               f"{one} --sweep parallax --sweep-views 3 --sweep-from '-0.2 mm' --sweep-to '0.2 mm' {eye} -o parallax.gif",
+              f"{one} --sweep focus --sweep-views 2 --sweep-from '29 mm' --sweep-to '31 mm' --sweep-format webp -o views.jpg",
+              f"{one} --sweep focus --sweep-views 2 --sweep-from '29 mm' --sweep-to '31 mm' -o series_###.png",
               f"{one} --distance '30 mm' --eye-separation '2 mm' {eye} -o stereo.png")
     foreign = f"show {IN}/grey.png --wavelength '532 nm' --distance '20 mm'"
     yield job("show-names", f"show {OF}/run-sets/out/hologram.png {OF}/run-sets/out/hologram_2.png -o views.exr")

@@ -274,8 +274,8 @@ TEST(BadInput, OutputsOfAnUnknownFormatAreRefusedBeforeTheWork) {
   expect_error(work, {"field", "scene.toml", "-o", "f.txt"}, {".npy or .h5 or .exr", "f.txt"});
   expect_error(work, {"field", "scene.toml", "-o", "f.exr", "--double"}, {".npy or .h5", "f.exr"});
   expect_error(work, {"trace", "scene.toml", "-o", "s.npy"}, {".ply", "s.npy"});
-  expect_error(work, {"render", "scene.toml", "-o", "r.gif"}, {".png or .exr", "r.gif"});
-  expect_error(work, {"render", "scene.toml", "-o", "r"}, {".png or .exr"});
+  expect_error(work, {"render", "scene.toml", "-o", "r.gif"}, {".png or .jpg or .jpeg or .exr", "r.gif"});
+  expect_error(work, {"render", "scene.toml", "-o", "r"}, {".png or .jpg or .jpeg or .exr"});
 }
 
 // A complex64 field file made without holotrace, so that it can be invalid.

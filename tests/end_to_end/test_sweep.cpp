@@ -259,6 +259,89 @@ TEST(Sweep, ImpossibleSweepsAreRefused) {
   EXPECT_EQ(sentence(), "expected at least one camera distance, got none");
 }
 
+const std::vector<std::string> three_views{"--distance", "30 mm",      "--sweep", "focus",         "--sweep-from",
+                                           "26 mm",      "--sweep-to", "34 mm",   "--sweep-views", "3"};
+
+Outcome show_sweep(const Workplace& work, const std::string& output, const std::vector<std::string>& flags = {}) {
+  std::vector<std::string> arguments{"show", "out/hologram.png", "-o", output};
+  arguments.insert(arguments.end(), three_views.begin(), three_views.end());
+  arguments.insert(arguments.end(), flags.begin(), flags.end());
+  return work.run(arguments);
+}
+
+TEST(Sweep, ItsPicturesAloneAreASeriesThatALaterCallReplaces) {
+  const Workplace work;
+  make_two_points(work);
+  work.write("v_0002.png", "mine");
+  const Outcome outcome = show_sweep(work, "v_####.png");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err,
+            "warning: v_0002.png was not written by an earlier call of this command; it is kept as v_0002.png~\n");
+  ASSERT_EQ(show_sweep(work, "beside.png").exit_code, 0);
+  for (int i = 1; i <= 3; ++i)  // as beside a view
+    EXPECT_EQ(load_image(work.path(fmt::format("v_000{}.png", i))).values,
+              load_image(work.path(fmt::format("beside_sweep_0{}.png", i))).values);
+  const Outcome fewer = show_sweep(work, "v_####.png", {"--sweep-views", "2"});
+  ASSERT_EQ(fewer.exit_code, 0) << fewer.err;
+  std::set<std::string> names;
+  for (const std::string& name : work.names())
+    if (name.starts_with("v_")) names.insert(name);
+  EXPECT_EQ(names, (std::set<std::string>{"v_0001.png", "v_0002.png", "v_0002.png~"}));
+  ASSERT_EQ(show_sweep(work, "j_##.jpg").exit_code, 0);
+  EXPECT_TRUE(work.has("j_01.jpg") && work.has("j_03.jpg"));
+}
+
+// RIFF, a size, WEBP; tests/python/test_pictures_out.py reads what is in it.
+TEST(Sweep, ItsAnimationHasTheFormatThatTheCameraNames) {
+  const Workplace work;
+  make_two_points(work);
+  ASSERT_EQ(show_sweep(work, "v.png", {"--sweep-format", "webp"}).exit_code, 0);
+  EXPECT_EQ(work.read("v_sweep.webp").substr(8, 4), "WEBP");
+  EXPECT_FALSE(work.has("v_sweep.gif"));
+  ASSERT_EQ(show_sweep(work, "alone.webp").exit_code, 0);
+  EXPECT_TRUE(work.read("alone.webp") == work.read("v_sweep.webp"));
+  std::vector<std::string> arguments{"run", "scene.toml", "-o", "out", "--sweep-format", "webp"};
+  arguments.insert(arguments.end(), three_views.begin(), three_views.end());
+  const Outcome run = work.run(arguments);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(work.has("out/view_sweep.webp") && work.has("out/view_sweep_03.png"));
+  EXPECT_FALSE(work.has("out/view_sweep.gif"));
+}
+
+TEST(Show, ViewsMayBeJpegs) {
+  const Workplace work;
+  make_two_points(work);
+  const auto views_at = [&](const char* distances) {
+    const Outcome outcome = work.run({"show", "out/hologram.png", "-o", "v.jpg", "--distance", distances});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  views_at("26 mm, 34 mm");
+  EXPECT_TRUE(work.has("v_2.jpg"));
+  EXPECT_EQ(load_image(work.path("v.jpg")).nx, small_panel.nx);
+  views_at("26 mm");
+  EXPECT_FALSE(work.has("v_2.jpg"));  // it was recorded
+  EXPECT_EQ(work.run({"show", "out/hologram.png", "-o", "v.jpg", "--bits", "16"}).err,
+            "holotrace: expected 8 bits for the JPEG v.jpg, got 16; name a .png\n");
+  EXPECT_EQ(
+      work.run({"show", "out/hologram.png", "-o", "v.avi"}).err,
+      "holotrace: expected an output file .png or .jpg or .jpeg or .exr or .gif or .webp or .mp4 or .webm, got v.avi; "
+      "change its extension\n");
+  EXPECT_EQ(
+      work.run({"encode", "out/field.npy", "-o", "h.jpg"}).err,
+      "holotrace: expected a hologram file .png, got h.jpg, and a JPEG would change the levels of its pixels; change "
+      "its extension\n");
+  const Outcome render = work.run({"render", "scene.toml", "-o", "r.jpeg"});
+  EXPECT_EQ(render.exit_code, 0) << render.err;
+  EXPECT_EQ(load_image(work.path("r.jpeg")).ny, 32);
+}
+
+TEST(Sweep, ASeriesNeedsASweep) {
+  const Workplace work;
+  EXPECT_EQ(work.run({"show", "hologram.png", "-o", "v_##.png"}).err,
+            "holotrace: expected a sweep for the series v_##.png, got none; give --sweep focus or parallax, or a name "
+            "without ##\n");
+}
+
 TEST(Sweep, AnAnimatedFileNeedsASweep) {
   const Workplace work;  // refused before the hologram is read
   const Outcome outcome = work.run({"show", "hologram.png", "-o", "view.gif"});

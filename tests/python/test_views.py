@@ -49,9 +49,9 @@ def test_view_of_frames_and_colours_is_the_program_bit_by_bit(tmp_path, program,
     assert [one["stage"] for one in views.report["stages"]] == [one["stage"] for one in stages]
 
 
-@pytest.mark.parametrize("name, count", [("v.png", 6), ("v.gif", 1)])
+@pytest.mark.parametrize("name, count", [("v.png", 6), ("v.gif", 1), ("v.webp", 1), ("v_##.png", 3)])
 def test_view_of_a_sweep_is_the_program_bit_by_bit(tmp_path, program, folders, name, count):
-    """A view, three pictures, their animation and their chart; or the animation alone."""
+    """A view, three pictures, their animation and their chart; or the animation or the pictures alone."""
     hologram_at(532e-9).save(tmp_path / "h.png")
     program("show", "h.png", "--distance", "100 mm", "--sweep", "focus", "--sweep-from", "90 mm", "--sweep-to", "110 mm",
             "--sweep-views", 3, "-o", f"program/{name}")
@@ -62,7 +62,7 @@ def test_view_of_a_sweep_is_the_program_bit_by_bit(tmp_path, program, folders, n
 
 
 def test_an_animation_needs_a_sweep(tmp_path):
-    with pytest.raises(ht.Error, match="expected a sweep for the animated file v.gif, got none"):
+    with pytest.raises(ht.Error, match="expected a sweep for the animated file .*v.gif, got none"):
         ht.view(hologram_at(532e-9)).save(tmp_path / "v.gif")
 
 

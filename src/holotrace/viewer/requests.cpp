@@ -16,7 +16,8 @@ namespace {
 const char* const own_keys[] = {"items", "draft"};
 
 // Fields that a page cannot set: it asks for one picture, and the program's caller chooses devices.
-const std::set<std::string> left_out{"sweep", "sweep_views", "sweep_from", "sweep_to", "sweep_seconds", "device"};
+const std::set<std::string> left_out{"sweep",         "sweep_views",  "sweep_from", "sweep_to",
+                                     "sweep_seconds", "sweep_format", "device"};
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';

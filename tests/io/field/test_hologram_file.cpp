@@ -356,8 +356,10 @@ TEST(HologramFile, WhatIsNoHologramIsRefused) {
       error_of([&] { load_hologram(coloured); }),
       coloured +
           ": expected a grey hologram, got a coloured pixel at row 0, column 1; name the channel, red, green or blue");
-  EXPECT_EQ(error_of([] { save_hologram("h.jpg", all_levels(2, Modulation::phase)); }),
-            "expected a hologram file .png, .bmp, .tif, .npy or .csv, got h.jpg; change its extension");
+  EXPECT_EQ(
+      error_of([] { save_hologram("h.jpg", all_levels(2, Modulation::phase)); }),
+      "expected a hologram file .png, .bmp, .tif, .npy or .csv, got h.jpg, and a JPEG would change the levels of its pixels; change its "
+      "extension");
   Hologram wrong = all_levels(2, Modulation::phase);
   wrong.level(0, 0) = 2;
   EXPECT_EQ(error_of([&] { save_hologram("h.png", wrong); }),

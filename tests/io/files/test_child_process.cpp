@@ -107,5 +107,33 @@ TEST(ChildProcess, ItWorksWhileOtherThreadsAllocateMemory) {
   other.join();
 }
 
+TEST(RunProgram, PassesMoreThanAPipeHoldsBothWays) {
+  std::string text;
+  for (int i = 0; i < 500000; ++i) text += std::to_string(i);  // 2.9 MB, where a pipe here holds 1 MiB
+  std::string_view left = text;
+  const ProgramRun run = run_program({"sh", "-c", "cat; echo end >&2"}, [&] {
+    const std::string_view part = left.substr(0, 70000);
+    left.remove_prefix(part.size());
+    return part;
+  });
+  EXPECT_TRUE(run.output == text);
+  EXPECT_EQ(run.messages, "end\n");
+  EXPECT_TRUE(run.has_succeeded && run.start_error.empty());
+}
+
+TEST(RunProgram, OneThatReadsNothingEndsNeitherThisOneNorWaits) {
+  const std::string text(1 << 22, 'x');
+  int asked = 0;
+  const ProgramRun run = run_program({"sh", "-c", "exit 3"}, [&] { return ++asked < 100 ? text : std::string_view(); });
+  EXPECT_FALSE(run.has_succeeded);
+  EXPECT_LT(asked, 100);
+}
+
+TEST(RunProgram, AMissingOneIsNamedByTheSystemsReason) {
+  const ProgramRun run = run_program({"holotrace-no-such-program"}, [] { return std::string_view(); });
+  EXPECT_EQ(run.start_error, "No such file or directory");
+  EXPECT_FALSE(run.has_succeeded);
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/gif.h"
@@ -93,7 +96,83 @@ TEST(Animation, WhatCannotBeAnimatedIsRefused) {
   EXPECT_EQ(error_of([&] { save_animation(path, bars(2, 8, 8), 1, 0); }),
             "expected an animation of more than 0 s for " + path + ", got 0 s");
   EXPECT_EQ(error_of([&] { save_animation("a.png", bars(2, 8, 8), 1, 1); }),
-            "expected an animated file .gif, got a.png; change its extension");
+            "expected an animated file .gif or .webp or .mp4 or .webm, got a.png; change its extension");
+  const std::string tall = temporary("tall.webp");
+  EXPECT_EQ(error_of([&] {
+              save_animation(tall, {Image(16384, 2, 1), Image(16384, 2, 1)}, 1, 1);
+            }),
+            tall + ": expected at most 16383 × 16383 pixels in a WebP, got 2 × 16384; use a larger pixel");
+  EXPECT_FALSE(std::filesystem::exists(tall));
+}
+
+void expect_same_bytes(const std::string& ending) {
+  const std::string a = temporary("a" + ending), b = temporary("b" + ending);
+  for (const std::string& path : {a, b}) save_animation(path, bars(4, 64, 24), 2, 1.2);
+  EXPECT_TRUE(read_text(a) == read_text(b)) << ending;
+}
+
+TEST(Animation, TheSamePicturesGiveTheSameBytes) {
+  for (const char* ending : {".gif", ".webp"}) expect_same_bytes(ending);
+}
+
+// The PATH of this program, while it exists.
+class SearchPath {
+ public:
+  explicit SearchPath(const std::string& path) : before_(std::getenv("PATH")) { setenv("PATH", path.c_str(), 1); }
+  ~SearchPath() { setenv("PATH", before_.c_str(), 1); }
+  SearchPath(const SearchPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+// A folder with a program ffmpeg that runs a script.
+std::string fake_ffmpeg(const std::string& script) {
+  const std::string path = make_file("ffmpeg", "#!/bin/sh\n" + script);
+  std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  return std::filesystem::path(path).parent_path();
+}
+
+TEST(Film, TheSamePicturesGiveTheSameBytes) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  for (const char* ending : {".mp4", ".webm"}) expect_same_bytes(ending);
+}
+
+TEST(Film, WithoutFfmpegItSaysWhatToInstallAndLeavesNothing) {
+  const std::string path = temporary("a.mp4"), folder = std::filesystem::path(path).parent_path();
+  const SearchPath search(folder);
+  EXPECT_EQ(error_of([&] { save_animation(path, bars(2, 8, 8), 1, 1); }),
+            "expected the program ffmpeg to write " + path +
+                " with, got \"No such file or directory\"; install it (Debian: ffmpeg), or name a .webp or .gif");
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+TEST(Film, AnFfmpegWithoutTheEncoderIsRefused) {
+  const std::string path = temporary("a.webm");
+  const SearchPath search(fake_ffmpeg("echo ' V....D libx264   H.264'\n"));
+  EXPECT_EQ(error_of([&] { check_animation(path); }),
+            "expected an ffmpeg with the encoder libvpx-vp9 to write " + path +
+                " with, got one without it; install one that has it (Debian: ffmpeg), or name a .webp or .gif");
+}
+
+TEST(Film, PassesOnWhatFfmpegSaysWhenItFails) {
+  const std::string path = temporary("a.mp4");
+  const SearchPath search(fake_ffmpeg("echo ' V....D libx264   H.264'\n"
+                                      "[ $# -lt 3 ] && exit\necho 'no room' >&2; echo 'more' >&2; exit 1\n") +
+                          ":" + std::getenv("PATH"));
+  EXPECT_EQ(error_of([&] { save_animation(path, bars(2, 800, 800), 1, 1); }),  // more than a pipe holds
+            "expected ffmpeg to write " + path + ", got \"no room\"; update ffmpeg, or name a .webp or .gif");
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(SeriesName, HasTwoOrMoreSignsForItsDigits) {
+  EXPECT_EQ(series_path("out/view_####.png", 0), "out/view_0001.png");
+  EXPECT_EQ(series_path("##.jpg", 122), "123.jpg");
+  EXPECT_EQ(series_path("a##_###b.exr", 6), "a##_007b.exr");  // the last ones count
+  for (const char* usual : {"try#2.png", "view.png", "a##/view.png", "####.gif", "a#b#.png"}) {
+    EXPECT_FALSE(is_series_name(usual)) << usual;
+    EXPECT_EQ(series_path(usual, 3), usual);
+  }
 }
 
 }  // namespace

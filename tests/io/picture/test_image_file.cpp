@@ -91,8 +91,8 @@ TEST(ImageFile, TheSameImageGivesTheSameBytes) {
   }
 }
 
-TEST(ImageFile, PitchAndRecordComeBackFromPngAndExr) {
-  for (const char* name : {"a.png", "a.exr"}) {
+TEST(ImageFile, PitchAndRecordComeBackFromEveryFormat) {
+  for (const char* name : {"a.png", "a.jpg", "a.JPEG", "a.exr"}) {
     const std::string path = temporary(name);
     Image image(2, 3, 1);
     image.pitch = 6.4e-6 / 3;
@@ -111,6 +111,40 @@ TEST(ImageFile, PitchAndRecordComeBackFromPngAndExr) {
   }
   EXPECT_TRUE(image_record(temporary("missing.png")).empty());
   EXPECT_TRUE(image_record(test::make_file("text.png", "no picture")).empty());
+}
+
+// One comment of a JPEG has at most 65533 bytes.
+TEST(ImageFile, ALongRecordIsInSeveralCommentsOfAJpeg) {
+  FileRecord record;
+  for (int i = 0; i < 5000; ++i) record.emplace(fmt::format("a_sweep_{:04}.jpg", i), 1000 + i);
+  const std::string path = temporary("a.jpg");
+  save_image(path, Image(8, 8, 3), 1, 8, record);
+  EXPECT_EQ(image_record(path), record);
+}
+
+// Libjpeg decodes it here; tests/python/test_pictures_out.py reads one by Pillow.
+TEST(ImageFile, AJpegIsThePictureButForSmallErrors) {
+  Image image(64, 64, 3);
+  for (int j = 0; j < 64; ++j)
+    for (int i = 0; i < 64; ++i)
+      for (int c = 0; c < 3; ++c)
+        image(j, i, c) = float(srgb_decode(0.5 + 0.4 * std::sin(0.1 * (c == 0 ? i : c == 1 ? j : i - j))));
+  for (const int channels : {1, 3}) {
+    const std::string path = temporary("a.jpg"), other = temporary("b.jpg");
+    Image saved(64, 64, channels);
+    for (size_t i = 0; i < saved.values.size(); ++i) saved.values[i] = 3 * image.values[channels == 3 ? i : 3 * i];
+    save_image(path, saved, 3, 8);
+    save_image(other, saved, 3, 8);
+    EXPECT_TRUE(read_text(path) == read_text(other));
+    const Image read = load_image(path);
+    ASSERT_EQ(read.channels, channels);
+    double sum = 0;
+    for (size_t i = 0; i < read.values.size(); ++i)
+      sum += std::pow(255 * (srgb_encode(double(read.values[i])) - srgb_encode(double(saved.values[i]) / 3)), 2);
+    // Steps of the table of quality 95 are 2 to 12 codes; the first ones, of the long waves here, 2: 2/√12 = 0.6 from each
+    // of three components, with weights of at most 1.8 (blue of Y′CbCr), and 0.3 from rounding: below 1.5.
+    EXPECT_LT(std::sqrt(sum / double(read.values.size())), 1.5);
+  }
 }
 
 TEST(ImageFile, FilesThatAreNotImagesAreRefused) {
@@ -153,7 +187,13 @@ TEST(ImageFile, AFieldIsNoImage) {
 
 TEST(ImageFile, BadRequestsAreRefused) {
   EXPECT_EQ(error_of([] { save_image("i.bmp", Image(1, 1, 1), 1, 8); }),
-            "expected an image file .png or .exr, got i.bmp; change its extension");
+            "expected an image file .png or .jpg or .jpeg or .exr, got i.bmp; change its extension");
+  EXPECT_EQ(error_of([] { save_image("i.jpg", Image(1, 1, 1), 1, 16); }),
+            "expected 8 bits for the JPEG i.jpg, got 16; name a .png");
+  const std::string path = temporary("wide.jpg");
+  EXPECT_EQ(error_of([&] { save_image(path, Image(1, 65501, 1), 1, 8); }),
+            path + ": expected at most 65500 × 65500 pixels in a JPEG, got 65501 × 1; name a .png");
+  EXPECT_FALSE(std::filesystem::exists(path));
   EXPECT_EQ(error_of([] { save_image("i.png", Image(1, 1, 1), 0, 8); }),
             "expected a white level above 0 for i.png, got 0");
   EXPECT_EQ(error_of([] { save_image("i.png", Image(1, 1, 1), 1, 12); }), "expected 8 or 16 bits for i.png, got 12");

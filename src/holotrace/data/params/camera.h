@@ -13,6 +13,9 @@ namespace holotrace {
 /// Series of views: none, through planes of focus, or with the eye moving along x.
 enum class Sweep { none, focus, parallax };
 
+/// File of the animation of a series of views.
+enum class SweepFormat { gif, webp, mp4, webm };
+
 /// What a sensor pixel reads: the mean irradiance over its area, or the irradiance at samples of the field.
 enum class PixelSampling { integrate, point };
 
@@ -37,6 +40,7 @@ struct CameraParams {
   int sweep_views = 24;                 ///< number of views of the series
   double sweep_from = 0, sweep_to = 0;  ///< first and last distance (focus) or x of the eye (parallax) [m]
   double sweep_seconds = 2;             ///< duration of the animation, forward and back [s]
+  SweepFormat sweep_format = SweepFormat::gif;
 };
 
 template <class Visitor>
@@ -76,6 +80,10 @@ void describe(Visitor&& v, CameraParams& p) {
   v(length("sweep_to", p.sweep_to, range::any, "last distance (focus) or last x of the eye (parallax)"));
   v(number("sweep_seconds", p.sweep_seconds, range::above_to(0, 3600),
            "duration of the animation in seconds, forward and back"));
+  v(choice(
+      "sweep_format", p.sweep_format,
+      {{"gif", SweepFormat::gif}, {"webp", SweepFormat::webp}, {"mp4", SweepFormat::mp4}, {"webm", SweepFormat::webm}},
+      "file of the animation beside the views; mp4 and webm need the program ffmpeg"));
 }
 
 }  // namespace holotrace

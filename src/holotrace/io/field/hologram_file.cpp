@@ -244,11 +244,18 @@ Metadata metadata_of(const std::string& path) {
 
 }  // namespace
 
+void check_hologram_path(const std::string& path) {
+  const std::string ending = extension_of(path);
+  const bool has_loss = ending == ".jpg" || ending == ".jpeg";
+  const std::vector<std::string>& endings = panel_image_endings();
+  require(std::find(endings.begin(), endings.end(), ending) != endings.end(),
+          "expected a hologram file .png, .bmp, .tif, .npy or .csv, got {}{}; change its extension", path,
+          has_loss ? ", and a JPEG would change the levels of its pixels" : "");
+}
+
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part,
                    const std::function<FileRecord()>& files) {
-  const std::vector<std::string>& endings = panel_image_endings();
-  require(std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end(),
-          "expected a hologram file .png, .bmp, .tif, .npy or .csv, got {}; change its extension", path);
+  check_hologram_path(path);
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
           path, hologram.level.nx, hologram.level.ny);

@@ -32,9 +32,12 @@ struct SeriesPart {
 /// @param part    its place in a series
 /// @param files   the files that belong to this one, as the next call must know them, when its own are written; none: no
 ///                record
-/// @throws Error for another extension, and where NewFile throws
+/// @throws Error as check_hologram_path does, and where NewFile throws
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part = {},
                    const std::function<FileRecord()>& files = {});
+
+/// Checks, before the work, that a hologram can be written. @throws Error for an ending other than .png
+void check_hologram_path(const std::string& path);
 
 /// Writes a series of holograms into a set as NAME, NAME_2, …; the first one records the others.
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms);

@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,6 +22,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/machine.h"
 #include "holotrace/base/sanitizers.h"
+
+extern "C" char** environ;
 
 namespace holotrace {
 namespace {
@@ -214,6 +218,57 @@ void read_in_child(const std::string& path, const std::function<void(ToParent&)>
     fail("{}: expected a file that can be read, but the library that reads it {}; the file is damaged, write it again",
          path, is_limit ? "reached its limit of time or memory" : fmt::format("crashed (signal {})", number));
   }
+}
+
+ProgramRun run_program(std::vector<std::string> words, const std::function<std::string_view()>& input) {
+  // A socket, because a program that ends early must not end this one by SIGPIPE.
+  std::array<int, 2> ends{-1, -1};
+  const bool is_made = socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0;
+  require(is_made, "expected a pipe to a child process, got \"{}\"; close other programs", std::strerror(errno));
+  Descriptor in(ends[0]), in_child(ends[1]);
+  Pipe out, err;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, in_child, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, out.write, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err.write, STDERR_FILENO);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t id = -1;
+  const int error = posix_spawnp(&id, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ProgramRun run;
+  if (error != 0) {
+    run.start_error = std::strerror(error);
+    return run;
+  }
+  Child child(id);
+  in_child.close();
+  out.write.close();
+  err.write.close();
+  std::string_view left;
+  std::array<char, 1 << 16> block;
+  const auto receive = [&](Descriptor& from, std::string& text) {
+    const ssize_t got = read(from, block.data(), block.size());
+    if (got > 0) text.append(block.data(), size_t(got));
+    if (got == 0 || (got < 0 && errno != EINTR)) from.close();
+  };
+  while (out.read >= 0 || err.read >= 0) {
+    std::array<pollfd, 3> ready{{{in, POLLOUT, 0}, {out.read, POLLIN, 0}, {err.read, POLLIN, 0}}};  // −1: not asked for
+    if (poll(ready.data(), ready.size(), -1) < 0) continue;
+    if (ready[0].revents != 0) {
+      if (left.empty()) left = input();
+      const ssize_t sent = left.empty() ? 0 : send(in, left.data(), left.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+      if (sent > 0) left.remove_prefix(size_t(sent));
+      if (sent == 0 || (sent < 0 && errno != EAGAIN && errno != EINTR)) in.close();  // all is sent, or it wants no more
+    }
+    if (ready[1].revents != 0) receive(out.read, run.output);
+    if (ready[2].revents != 0) receive(err.read, run.messages);
+  }
+  in.close();
+  run.has_succeeded = child.wait() == 0;
+  return run;
 }
 
 }  // namespace holotrace

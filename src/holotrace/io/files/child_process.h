@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <vector>
 
+// Work in other processes: readers of damaged files, and programs of others.
+//
 // Some libraries end or hang the program at damaged files. Such a file is read in a child process with limits, which
 // sends what it has read through a pipe. Whatever happens there, the program itself goes on and names the file.
 
@@ -71,5 +73,18 @@ class FromChild {
 /// Cost: a fork, about 1 ms and 1 ms more per GiB of the program's memory, and one copy of what is sent.
 void read_in_child(const std::string& path, const std::function<void(ToParent&)>& read,
                    const std::function<void(FromChild&)>& receive);
+
+/// What a program left that has run as a separate process.
+struct ProgramRun {
+  std::string start_error;       ///< the system's reason why it did not start; empty if it started
+  bool has_succeeded = false;    ///< whether its exit code was 0
+  std::string output, messages;  ///< its standard output and its standard error
+};
+
+/// Runs a program, which is found by PATH, and waits for its end. No shell is involved.
+/// @param words  its name and its arguments
+/// @param input  asked for the next bytes of its standard input, until there are none; they stay valid until it is asked
+///               again
+ProgramRun run_program(std::vector<std::string> words, const std::function<std::string_view()>& input);
 
 }  // namespace holotrace

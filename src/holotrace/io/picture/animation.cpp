@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
@@ -13,7 +14,7 @@
 namespace holotrace {
 namespace {
 
-// The picture as 8-bit sRGB codes in three channels, as the GIF writer expects.
+// The picture as 8-bit sRGB codes in three channels, as the writers of animations expect.
 std::vector<uint8_t> codes_of(const Image& image, double white) {
   std::vector<uint8_t> codes(size_t(image.nx) * size_t(image.ny) * 3);
   parallel_for(0, image.ny, [&](int64_t j) {
@@ -27,7 +28,39 @@ std::vector<uint8_t> codes_of(const Image& image, double white) {
   return codes;
 }
 
+constexpr size_t fewest_digits = 2;  // a name with one # is a usual name
+
+// The last series of # in the name of a file: its place in the path and its length.
+std::pair<size_t, size_t> digits_in(const std::string& path) {
+  const size_t begin_of_name = path.size() - std::filesystem::path(path).filename().string().size();
+  const size_t last = path.rfind('#');
+  if (last == std::string::npos || last < begin_of_name) return {0, 0};
+  const size_t before = path.find_last_not_of('#', last);
+  const size_t first = std::max(before == std::string::npos ? 0 : before + 1, begin_of_name);
+  return {first, last + 1 - first};
+}
+
 }  // namespace
+
+bool has_animation_ending(const std::string& path) {
+  return std::find(animation_endings.begin(), animation_endings.end(), extension_of(path)) != animation_endings.end();
+}
+
+void check_animation(const std::string& path) {
+  require(has_animation_ending(path), "expected an animated file {}, got {}; change its extension",
+          fmt::join(animation_endings, " or "), path);
+  if (extension_of(path) != ".gif" && extension_of(path) != ".webp") check_film(path);
+}
+
+bool is_series_name(const std::string& path) {
+  return digits_in(path).second >= fewest_digits && !has_animation_ending(path);
+}
+
+std::string series_path(const std::string& path, size_t i) {
+  if (!is_series_name(path)) return path;
+  const auto [first, count] = digits_in(path);
+  return path.substr(0, first) + fmt::format("{:0{}}", i + 1, count) + path.substr(first + count);
+}
 
 Image shrunk_to(const Image& image, int columns) {
   const int n = (image.nx + columns - 1) / columns;
@@ -48,7 +81,7 @@ Image shrunk_to(const Image& image, int columns) {
 }
 
 void save_animation(const std::string& path, const std::vector<Image>& images, double white, double seconds) {
-  require(extension_of(path) == ".gif", "expected an animated file .gif, got {}; change its extension", path);
+  check_animation(path);
   require(images.size() >= 2, "expected 2 pictures or more to animate as {}, got {}", path, images.size());
   require(std::isfinite(white) && white > 0, "expected a white level above 0 for {}, got {}", path, white);
   require(std::isfinite(seconds) && seconds > 0, "expected an animation of more than 0 s for {}, got {} s", path,
@@ -57,19 +90,23 @@ void save_animation(const std::string& path, const std::vector<Image>& images, d
     require(image.nx == images[0].nx && image.ny == images[0].ny && image.nx > 0 && image.ny > 0,
             "expected pictures of {} × {} pixels to animate as {}, got one of {} × {}", images[0].nx, images[0].ny,
             path, image.nx, image.ny);
-  std::vector<std::vector<uint8_t>> codes;
-  int nx = 0, ny = 0;
+  Frames frames;
   for (const Image& image : images) {
     const Image small = shrunk_to(image, widest_animation);
-    nx = small.nx;
-    ny = small.ny;
-    codes.push_back(codes_of(small, white));
+    frames.columns = small.nx;
+    frames.rows = small.ny;
+    frames.pictures.push_back(codes_of(small, white));
   }
-  std::vector<size_t> frames;  // forward and back
-  for (size_t i = 0; i < images.size(); ++i) frames.push_back(i);
-  for (size_t i = images.size() - 2; i > 0; --i) frames.push_back(i);
-  const int hundredths = std::max(2, int(std::lround(100 * seconds / double(frames.size()))));
-  write_gif(path, nx, ny, codes, frames, std::min(hundredths, 65535));
+  for (size_t i = 0; i < images.size(); ++i) frames.order.push_back(i);  // forward and back
+  for (size_t i = images.size() - 2; i > 0; --i) frames.order.push_back(i);
+  // The duration of a frame in the units of a format.
+  const auto duration = [&](double units_per_second, double most) {
+    const double units = std::round(units_per_second * seconds / double(frames.order.size()));
+    return int(std::clamp(units, 0.02 * units_per_second, most));
+  };
+  if (extension_of(path) == ".gif") return write_gif(path, frames, duration(100, 65535));
+  const int milliseconds = duration(1000, 0xffffff);
+  extension_of(path) == ".webp" ? write_webp(path, frames, milliseconds) : write_film(path, frames, milliseconds);
 }
 
 }  // namespace holotrace

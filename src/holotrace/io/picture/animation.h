@@ -10,15 +10,32 @@ namespace holotrace {
 /// Largest width of a picture of an animation [pixels]; wider ones are averaged down to it.
 inline constexpr int widest_animation = 960;
 
-/// Writes pictures as an endless animated GIF that plays forward and back: 1, 2, …, N, N−1, …, 2. Each shows
-/// value/white clipped to [0, 1], sRGB-coded. Pictures wider than widest_animation are averaged over squares of whole
-/// pixels, in linear light.
+/// Endings of animations.
+inline const std::vector<std::string> animation_endings{".gif", ".webp", ".mp4", ".webm"};
+bool has_animation_ending(const std::string& path);
+
+/// Writes pictures as an animation that plays forward and back: 1, 2, …, N, N−1, …, 2. Each shows value/white clipped
+/// to [0, 1], sRGB-coded. Pictures wider than widest_animation are averaged over squares of whole pixels, in linear light.
+///
+///     .gif          endless; at most 256 colours in each picture, others are dithered
+///     .webp         endless; colours exactly as in a PNG
+///     .mp4, .webm   a film that plays once, compressed with loss, by the program ffmpeg (write_film)
 ///
 /// @param white    value that is shown as white, above 0 [unit of the images]
-/// @param seconds  duration forward and back [s]; each picture lasts 2/100 s or more, in the steps of GIF of 1/100 s
-/// @throws Error   for fewer than 2 pictures, different sizes, an extension other than .gif, a white or a duration that
-///                 is not above 0, and where write_atomically throws
+/// @param seconds  duration forward and back [s]; each picture lasts 2/100 s or more, in steps of 1/1000 s, in a GIF of 1/100 s
+/// @throws Error   for fewer than 2 pictures, different sizes, another ending, a white or a duration that is not above 0,
+///                 as check_animation does, and where NewFile throws
 void save_animation(const std::string& path, const std::vector<Image>& images, double white, double seconds);
+
+/// Checks, before the work, that an animation can be written. @throws Error for another ending, and if it needs ffmpeg
+/// and none is installed that can write it
+void check_animation(const std::string& path);
+
+/// A series is named by two or more "#" in place of its digits: view_####.png for view_0001.png, view_0002.png, …
+bool is_series_name(const std::string& path);
+
+/// The path of the i-th picture of a series, from 0; other paths as they are.
+std::string series_path(const std::string& path, size_t i);
 
 /// The picture averaged over squares of whole pixels, the smallest squares that make it at most `columns` wide.
 Image shrunk_to(const Image& image, int columns);

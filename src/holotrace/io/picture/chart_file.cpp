@@ -1,22 +1,15 @@
 #include "holotrace/io/picture/chart_file.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <memory>
+#include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/files/child_process.h"
 #include "holotrace/io/files/file.h"
-
-extern "C" char** environ;
 
 namespace holotrace {
 namespace {
@@ -105,61 +98,13 @@ std::string gnuplot_script(const Chart& chart, const std::string& extension) {
   return script + "plot " + plots + "\n";
 }
 
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-File temporary_file(const std::string& path) {
-  File file(std::tmpfile(), std::fclose);
-  require(file != nullptr, "expected room for temporary files to draw {} with, got \"{}\"", path, std::strerror(errno));
-  return file;
-}
-
-// Runs gnuplot with the script as its input, without user settings. Its messages go to `messages`. The script and the
-// messages are files, not pipes, so that the two processes cannot block each other.
-// @return the picture, which gnuplot writes to a pipe: into a file, it would not report that the disk is full
-std::string run_gnuplot(std::FILE* script, std::FILE* messages, const std::string& path, int& status) {
-  int ends[2];
-  const bool is_made = pipe2(ends, O_CLOEXEC) == 0;
-  require(is_made, "expected a pipe to draw {} with, got \"{}\"", path, std::strerror(errno));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, fileno(script), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(messages), STDERR_FILENO);
-  std::array<std::string, 2> words{"gnuplot", "--default-settings"};
-  const std::array<char*, 3> arguments{words[0].data(), words[1].data(), nullptr};
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(ends[1]);
-  std::string picture;
-  std::array<char, 1 << 16> block;
-  for (ssize_t count; error == 0 && (count = read(ends[0], block.data(), block.size())) != 0;) {
-    if (count > 0) picture.append(block.data(), size_t(count));
-    if (count < 0 && errno != EINTR) break;
-  }
-  close(ends[0]);
-  require(error == 0,
-          "expected the program gnuplot to draw {} with, got \"{}\"; install it (Debian: gnuplot-nox), or leave the "
-          "picture out",
-          path, std::strerror(error));
-  while (waitpid(child, &status, 0) < 0)
-    require(errno == EINTR, "expected gnuplot to draw {}, got \"{}\"", path, std::strerror(errno));
-  return picture;
-}
-
 // The last line that is not blank: gnuplot repeats the faulty line before the message.
-std::string last_words(std::FILE* messages) {
-  std::rewind(messages);
-  std::string words, line;
-  for (int c = 0; (c = std::fgetc(messages)) != EOF;) {
-    if (c != '\n') {
-      line += char(c);
-      continue;
-    }
+std::string last_words(const std::string& messages) {
+  std::istringstream lines(messages);
+  std::string words = "no error message";
+  for (std::string line; std::getline(lines, line);)
     if (line.find_first_not_of(" \t^") != std::string::npos) words = line;
-    line.clear();
-  }
-  return words.empty() ? "no error message" : words;
+  return words;
 }
 
 }  // namespace
@@ -169,18 +114,19 @@ void save_chart(const std::string& path, const Chart& chart) {
   require(extension == ".png" || extension == ".svg",
           "expected a chart file .png or .svg, got {}; change its extension", path);
   check_chart(chart);
-  const std::string text = gnuplot_script(chart, extension);
-  const File script = temporary_file(path), messages = temporary_file(path);
-  const bool is_written =
-      std::fwrite(text.data(), 1, text.size(), script.get()) == text.size() && std::fflush(script.get()) == 0;
-  require(is_written, "expected room for temporary files to draw {} with, got \"{}\"", path, std::strerror(errno));
-  std::rewind(script.get());
-  int status = 0;
-  const std::string picture = run_gnuplot(script.get(), messages.get(), path, status);
-  require(status == 0 && !picture.empty(),
+  const std::string script = gnuplot_script(chart, extension);
+  std::string_view next = script;
+  // Without user settings. It does not write the file itself: it would not report that the disk is full.
+  const ProgramRun run =
+      run_program({"gnuplot", "--default-settings"}, [&] { return std::exchange(next, std::string_view()); });
+  require(run.start_error.empty(),
+          "expected the program gnuplot to draw {} with, got \"{}\"; install it (Debian: gnuplot-nox), or leave the "
+          "picture out",
+          path, run.start_error);
+  require(run.has_succeeded && !run.output.empty(),
           "expected gnuplot to draw {}, got \"{}\"; update gnuplot, or leave the picture out", path,
-          last_words(messages.get()));
-  write_text(path, picture);
+          last_words(run.messages));
+  write_text(path, run.output);
 }
 
 void try_save_chart(const OutputSet& set, const std::string& name, const Chart& chart, const Observer& observer) {

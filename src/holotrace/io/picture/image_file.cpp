@@ -23,9 +23,8 @@ namespace {
 
 constexpr const char* record_name = "holotrace_files";
 constexpr const char* pitch_name = "pitch_m";
-constexpr const char* known_extensions = ".png or .exr";
 
-// The pixel pitch [m]; 0 if there is none: a number in an EXR, a text in a PNG.
+// The pixel pitch [m]; 0 if there is none: a number in an EXR, a text in PNG and JPEG.
 double pitch_of(const PictureHeader& header) {
   if (const auto found = header.numbers.find(pitch_name); found != header.numbers.end()) return found->second;
   const std::string text = header.text(pitch_name);
@@ -183,10 +182,19 @@ Image with_three_channels(Image image) {
   return wide;
 }
 
+void check_image(const std::string& path, int bits) {
+  const std::string extension = extension_of(path);
+  require(std::find(image_endings.begin(), image_endings.end(), extension) != image_endings.end(),
+          "expected an image file {}, got {}; change its extension", fmt::join(image_endings, " or "), path);
+  require(bits == 8 || bits == 16, "expected 8 or 16 bits for {}, got {}", path, bits);
+  require(bits == 8 || !extension.starts_with(".jp"), "expected 8 bits for the JPEG {}, got 16; name a .png", path);
+}
+
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record) {
   require(image.nx > 0 && image.ny > 0 && (image.channels == 1 || image.channels == 3),
           "expected an image with pixels of 1 or 3 channels to save as {}, got {} × {} of {}", path, image.nx, image.ny,
           image.channels);
+  check_image(path, bits);
   const std::string extension = extension_of(path);
   const auto record_text = [&] { return record_json(record_inside(path, record)).dump(-1, ' ', true); };
   if (extension == ".exr") {
@@ -195,12 +203,13 @@ void save_image(const std::string& path, const Image& image, double white, int b
     if (!record.empty()) header.texts[record_name] = record_text();
     return write_exr(path, header, image.values.data());
   }
-  require(extension == ".png", "expected an image file {}, got {}; change its extension", known_extensions, path);
   require(std::isfinite(white) && white > 0, "expected a white level above 0 for {}, got {}", path, white);
-  require(bits == 8 || bits == 16, "expected 8 or 16 bits for {}, got {}", path, bits);
-  PngHeader header{image.nx, image.ny, image.channels, bits, true, {}};
-  if (image.pitch > 0) header.texts[pitch_name] = fmt::format("{:.17g}", image.pitch);
-  if (!record.empty()) header.texts[record_name] = record_text();
+  std::map<std::string, std::string> texts;
+  if (image.pitch > 0) texts[pitch_name] = fmt::format("{:.17g}", image.pitch);
+  if (!record.empty()) texts[record_name] = record_text();
+  if (extension != ".png")
+    return write_jpeg(path, {image.nx, image.ny, image.channels, texts}, srgb_codes(image, white).data());
+  const PngHeader header{image.nx, image.ny, image.channels, bits, true, texts};
   if (bits == 8)
     write_png(path, header, srgb_codes(image, white).data());
   else

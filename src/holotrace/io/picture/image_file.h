@@ -18,6 +18,12 @@ enum class ImageContent { colour, data, depth };
 /// Whether the ending is that of a picture that load_image reads.
 bool has_image_ending(const std::string& path);
 
+/// Endings of the pictures that save_image writes.
+inline const std::vector<std::string> image_endings{".png", ".jpg", ".jpeg", ".exr"};
+
+/// Checks, before the work, that save_image can write a picture. @throws Error for another ending, or more bits than it holds
+void check_image(const std::string& path, int bits);
+
 /// Reads an image file as linear light: 8- and 16-bit values are decoded from sRGB (or by the exponent that a PNG tells)
 /// to [0, 1] unless they are data; floating-point values (EXR) are not changed. It is turned upright as its file says
 /// (EXIF, TIFF). Alpha is dropped. Grey images have one channel, all others three.
@@ -34,13 +40,13 @@ Image decode_image(const void* bytes, size_t size, const std::string& name,
 /// The same image with three channels; a grey channel is repeated.
 Image with_three_channels(Image image);
 
-/// Writes an image. `.png`: value/white clipped to [0, 1], sRGB-coded, with `bits` per channel.
-/// `.exr`: the linear values as floats; white and bits have no effect.
+/// Writes an image. `.png`: value/white clipped to [0, 1], sRGB-coded, with `bits` per channel. `.jpg`, `.jpeg`: the same in
+/// 8 bits, of quality 95. `.exr`: the linear values as floats; white and bits have no effect.
 /// @param white  value that is shown as white, > 0 [unit of the image]
 /// @param bits   8 or 16
-/// Both hold the pixel pitch, if there is one ("pitch_m" [m], in a PNG as text), and the record.
+/// All hold the pixel pitch, if there is one ("pitch_m" [m], in PNG and JPEG as text), and the record.
 /// @param record  files that belong to this one, as the next call must know them; none: no record
-/// @throws Error for another extension, white or bits, and where NewFile throws
+/// @throws Error as check_image does, for another white, and where NewFile throws
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record = {});
 
 /// The values of a PNG of 8 bits: value/white clipped to [0, 1], sRGB-coded, in the order of the image.

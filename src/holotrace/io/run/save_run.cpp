@@ -28,44 +28,66 @@ std::string beside(const std::string& view, const std::string& extension) {
   return fs::path(path_with_suffix(view, "_sweep")).replace_extension(extension).string();
 }
 
-std::string animation_path(const std::string& view) {
-  return extension_of(view) == ".gif" ? view : beside(view, ".gif");
+std::string animation_path(const std::string& view, SweepFormat format) {
+  return has_animation_ending(view) ? view : beside(view, animation_endings.at(size_t(format)));  // in one order
 }
 
 std::string picture_path(const std::string& view, size_t i) {
-  return path_with_suffix(view, fmt::format("_sweep_{:02}", i + 1));
+  return is_series_name(view) ? series_path(view, i) : path_with_suffix(view, fmt::format("_sweep_{:02}", i + 1));
+}
+
+void check_sweep_is_there(const std::string& view, bool has_sweep) {
+  require(has_sweep || !has_animation_ending(view),
+          "expected a sweep for the animated file {}, got none; give --sweep focus or parallax, or name a .png", view);
+  require(has_sweep || !is_series_name(view),
+          "expected a sweep for the series {}, got none; give --sweep focus or parallax, or a name without ##", view);
 }
 
 void save_sweep(const OutputSet& set, const std::string& name, const SeenViews& seen, const Observer& observer) {
   const ViewSeries& sweep = seen.sweep;
   if (sweep.images.empty()) return;
   const std::string view = set.path(name);
-  save_animation(animation_path(view), sweep.images, sweep.white, seen.camera.sweep_seconds);
-  if (extension_of(view) == ".gif") return;
-  const auto save = [&](int64_t i) {
-    save_image(picture_path(view, size_t(i)), sweep.images[size_t(i)], sweep.white, seen.camera.bits);
+  const bool is_series = is_series_name(name);
+  if (!is_series)
+    save_animation(animation_path(view, seen.camera.sweep_format), sweep.images, sweep.white,
+                   seen.camera.sweep_seconds);
+  if (has_animation_ending(name)) return;
+  const auto save = [&](int64_t i, const FileRecord& others) {
+    save_image(picture_path(view, size_t(i)), sweep.images[size_t(i)], sweep.white, seen.camera.bits, others);
   };
-  parallel_for(0, int64_t(sweep.images.size()), save, observer);
+  parallel_for(
+      is_series ? 1 : 0, int64_t(sweep.images.size()), [&](int64_t i) { save(i, {}); }, observer);
+  if (is_series) return save(0, set.record());
   try_save_chart(set, fs::path(beside(view, ".png")).filename().string(), sweep_chart(seen.from, sweep), observer);
 }
 
 }  // namespace
 
-std::vector<std::string> sweep_paths(const std::string& view, size_t pictures) {
-  std::vector<std::string> paths{animation_path(view)};
-  if (extension_of(view) == ".gif") return paths;
-  paths.push_back(beside(view, ".png"));
+bool is_sweep_alone(const std::string& view) { return has_animation_ending(view) || is_series_name(view); }
+
+std::vector<std::string> sweep_paths(const std::string& view, size_t pictures, SweepFormat format) {
+  std::vector<std::string> paths;
+  if (!is_series_name(view)) paths.push_back(animation_path(view, format));
+  if (has_animation_ending(view)) return paths;
+  if (!is_series_name(view)) paths.push_back(beside(view, ".png"));
   for (size_t i = 0; i < pictures; ++i) paths.push_back(picture_path(view, i));
   return paths;
 }
 
+void check_views_output(const std::string& path, const CameraParams& camera) {
+  std::vector<std::string> endings = image_endings;
+  endings.insert(endings.end(), animation_endings.begin(), animation_endings.end());
+  check_output(series_path(path, 0), endings);
+  check_sweep_is_there(path, camera.sweep != Sweep::none);
+  if (!has_animation_ending(path)) check_image(path, camera.bits);
+  if (camera.sweep != Sweep::none && !is_series_name(path)) check_animation(animation_path(path, camera.sweep_format));
+}
+
 void save_views(const OutputSet& set, const std::string& name, const SeenViews& seen, const Observer& observer) {
-  const bool is_animation = extension_of(name) == ".gif";
-  require(!is_animation || !seen.sweep.images.empty(),
-          "expected a sweep for the animated file {}, got none; view with a sweep, or name a .png", name);
+  check_sweep_is_there(name, !seen.sweep.images.empty());
   const FileRecord before = set.record();
   save_sweep(set, name, seen, observer);
-  if (is_animation) return;
+  if (is_sweep_alone(name)) return;
   if (!seen.stereo.images.empty()) save_stereo(set, name, seen.stereo.images, seen.stereo.white, seen.camera.bits);
   const std::vector<Image>& images = seen.views.images;
   const auto save = [&](int64_t i, const FileRecord& others) {
@@ -74,6 +96,11 @@ void save_views(const OutputSet& set, const std::string& name, const SeenViews& 
   };
   parallel_for(1, int64_t(images.size()), [&](int64_t i) { save(i, {}); });
   if (!images.empty()) save(0, set.record_since(before));
+}
+
+std::vector<std::string> write_views(const std::string& path, const SeenViews& seen, const Observer& observer) {
+  const std::string main = series_path(path, 0), name = fs::path(path).filename().string();
+  return write_together(main, image_record(main), [&](const OutputSet& set) { save_views(set, name, seen, observer); });
 }
 
 void save_stereo(const OutputSet& set, const std::string& name, const std::vector<Image>& pair, double white, int bits,
@@ -126,11 +153,13 @@ void save_results(const OutputSet& set, const RunResults& results, const Job& jo
 
 std::vector<std::string> run_paths(const std::string& folder) {
   std::vector<std::string> paths;
-  for (const char* name : {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json",
-                           run_hologram, run_view, "view_beside.png", "view_sweep.gif", "view_sweep.png",
-                           "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png", "holo_left.png",
-                           "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
-    paths.push_back((std::filesystem::path(folder) / name).string());
+  for (const char* name :
+       {run_render, run_radiance, "sources.ply", run_points, "field.npy", "field.npy.json", run_hologram, run_view,
+        "view_beside.png", "view_sweep.png", "stereo_left.png", "stereo_right.png", "stereo_anaglyph.png",
+        "holo_left.png", "holo_right.png", "holo_anaglyph.png", "convergence.png", "report.json"})
+    paths.push_back((fs::path(folder) / name).string());
+  for (const std::string& ending : animation_endings)
+    paths.push_back((fs::path(folder) / beside(run_view, ending)).string());
   return paths;
 }
 

@@ -20,16 +20,28 @@ struct SeenViews {
   const CameraParams& camera;
 };
 
-/// Writes the views of all distances as view.png, view_2.png, …, and the sweep: view_sweep_01.png, …; view_sweep.gif,
-/// the animation of all its pictures; and view_sweep.png, its chart (viewing.h); and the stereo pair (save_stereo). The first
-/// view records the other files.
-/// For a view named NAME.gif, only the animation is written. @throws Error for such a name without a sweep
-/// @param name      file name of the view: .png, .exr or .gif
+/// Writes the views of all distances as view.png, view_2.png, …, and the sweep: view_sweep_01.png, …; view_sweep.gif (or
+/// as CameraParams::sweep_format says), the animation of all its pictures; and view_sweep.png, its chart (viewing.h); and
+/// the stereo pair (save_stereo). The first view records the other files.
+/// If the name asks for the sweep alone (is_sweep_alone), only that is written. @throws Error for such a name without a
+/// sweep
+/// @param name      file name of the view, of image_endings or animation_endings
 /// @param observer  is warned if the chart cannot be drawn, for instance because gnuplot is not installed
 void save_views(const OutputSet& set, const std::string& name, const SeenViews& seen, const Observer& observer);
 
-/// The files of a sweep of `pictures` pictures.
-std::vector<std::string> sweep_paths(const std::string& view, size_t pictures);
+/// The same, in place of the files of an earlier call. @return a sentence for each file of a user that was set aside
+std::vector<std::string> write_views(const std::string& path, const SeenViews& seen, const Observer& observer);
+
+/// Checks, before the work, that views can be written, and notes the one that write_views gives its name last.
+/// @throws Error for another ending; for the name of a sweep alone without a sweep; and as check_output, check_animation
+///               and check_image do
+void check_views_output(const std::string& path, const CameraParams& camera);
+
+/// Whether the name of a view asks for the sweep alone: for its animation (view.gif), or its pictures (view_####.png).
+bool is_sweep_alone(const std::string& view);
+
+/// The files of a sweep of `pictures` pictures: its animation first, if it has one.
+std::vector<std::string> sweep_paths(const std::string& view, size_t pictures, SweepFormat format);
 
 /// Writes a stereo pair and its anaglyph: NAME_left, NAME_right and NAME_anaglyph, with the extension of `name`. If
 /// `is_anaglyph_plain`, the anaglyph is `name` itself, and records the pair.

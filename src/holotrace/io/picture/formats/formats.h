@@ -61,7 +61,7 @@ using HeaderCheck = std::function<bool(const PictureHeader& header)>;
 using PictureReader = std::optional<Picture>(ByteSource& source, const HeaderCheck& wants);
 
 PictureReader read_png;   ///< with its texts, as far as they are before the pixels
-PictureReader read_jpeg;  ///< CMYK becomes RGB
+PictureReader read_jpeg;  ///< CMYK becomes RGB; with its texts, comments of the form "NAME TEXT"
 PictureReader read_exr;   ///< first part, not a deep one; numbers as floats, with attributes of texts and numbers
 PictureReader read_hdr;   ///< Radiance RGBE, flat or in runs
 PictureReader read_tiff;  ///< first page; 8 and 16 bits and floats as they are, other kinds as 8 bits
@@ -93,6 +93,17 @@ void write_bmp(const std::string& path, int columns, int rows, int channels, con
 /// @throws Error where NewFile does, and without libtiff
 void write_tiff(const std::string& path, int columns, int rows, int channels, int bits, const void* samples);
 
+/// A JPEG of 1 or 3 channels. @param texts comments of the form "NAME TEXT"; names have no blanks
+struct JpegHeader {
+  int columns = 0, rows = 0, channels = 1;
+  std::map<std::string, std::string> texts;
+};
+
+/// Writes a JPEG of quality 95 with all of its colours (4:4:4), completely or not at all.
+/// @param samples  [row][column][channel], sRGB codes
+/// @throws Error for more than 65500 columns or rows, and where NewFile does
+void write_jpeg(const std::string& path, const JpegHeader& header, const uint8_t* samples);
+
 /// An EXR of floats, compressed by zip, without a time stamp: the same content gives the same bytes.
 struct ExrHeader {
   int columns = 0, rows = 0;
@@ -104,12 +115,30 @@ struct ExrHeader {
 /// Writes an EXR, completely or not at all. @param samples [row][column][channel] @throws Error where NewFile does
 void write_exr(const std::string& path, const ExrHeader& header, const float* samples);
 
-/// Writes an endless animated GIF, completely or not at all.
-/// @param frames      the order in which the pictures are shown
-/// @param pictures    [row][column] colours R, G, B of 8 bits each; those with more than 256 colours are dithered
+/// Pictures that are shown one after the other.
+struct Frames {
+  int columns = 0, rows = 0;
+  std::vector<std::vector<uint8_t>> pictures;  ///< [row][column] sRGB codes R, G, B
+  std::vector<size_t> order;                   ///< numbers of pictures, as they are shown
+};
+
+// Writers of animations, completely or not at all.
+
+/// An endless GIF. Pictures with more than 256 colours are dithered.
 /// @param hundredths  duration of each frame [1/100 s]
-/// @throws Error where NewFile does
-void write_gif(const std::string& path, int columns, int rows, const std::vector<std::vector<uint8_t>>& pictures,
-               const std::vector<size_t>& frames, int hundredths);
+/// @throws Error for more than 65535 columns or rows, and where NewFile does
+void write_gif(const std::string& path, const Frames& frames, int hundredths);
+
+/// An endless WebP. @throws Error for more than 16383 columns or rows, and where NewFile does
+void write_webp(const std::string& path, const Frames& frames, int milliseconds);
+
+/// A film that plays once: `.mp4` (H.264) or `.webm` (VP9), by the program ffmpeg, which runs as a separate process. Its
+/// samples are Y′CbCr of BT.709 in 8 bits, with one of each chroma for 2 × 2 pixels. An odd picture gets its last
+/// column or row twice. One thread encodes it, so that the same pictures give the same bytes.
+/// @throws Error as check_film does; with ffmpeg's message, if it fails; and where NewFile does
+void write_film(const std::string& path, const Frames& frames, int milliseconds);
+
+/// @throws Error if no ffmpeg is installed that can write such a film
+void check_film(const std::string& path);
 
 }  // namespace holotrace

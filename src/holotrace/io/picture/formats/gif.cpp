@@ -226,20 +226,20 @@ bool write_frame(GifFileType* gif, int columns, int rows, IndexedPicture& pictur
 
 }  // namespace
 
-void write_gif(const std::string& path, int columns, int rows, const std::vector<std::vector<uint8_t>>& pictures,
-               const std::vector<size_t>& frames, int hundredths) {
+void write_gif(const std::string& path, const Frames& frames, int hundredths) {
   constexpr int most = 65535;
+  const int columns = frames.columns, rows = frames.rows;
   require(columns <= most && rows <= most,
           "{}: expected at most {} × {} pixels in a GIF, got {} × {}; use a larger pixel", path, most, most, columns,
           rows);
   std::vector<IndexedPicture> indexed;
-  for (const auto& colours : pictures) indexed.push_back(indexed_picture(colours, columns, rows));
+  for (const auto& colours : frames.pictures) indexed.push_back(indexed_picture(colours, columns, rows));
   NewFile file(path);
   int reason = 0;
   Gif gif(EGifOpen(&file, put, &reason), [](GifFileType* one) { return EGifCloseFile(one, nullptr); });
   bool is_written = gif && write_start(gif.get(), columns, rows);
-  for (size_t i = 0; is_written && i < frames.size(); ++i)
-    is_written = write_frame(gif.get(), columns, rows, indexed[frames[i]], hundredths);
+  for (size_t i = 0; is_written && i < frames.order.size(); ++i)
+    is_written = write_frame(gif.get(), columns, rows, indexed[frames.order[i]], hundredths);
   is_written = gif && EGifCloseFile(gif.release(), nullptr) == GIF_OK && is_written;
   file.check();
   require(is_written, "expected to write {} as a GIF of {} × {} pixels, but it cannot hold them; use fewer pixels",

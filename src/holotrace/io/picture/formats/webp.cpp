@@ -1,7 +1,13 @@
 #include <webp/decode.h>
+#include <webp/encode.h>
+#include <webp/mux.h>
 
 #include <algorithm>
+#include <memory>
 
+#include "holotrace/base/error.h"
+#include "holotrace/base/threads.h"
+#include "holotrace/io/files/new_file.h"
 #include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/formats/header_fields.h"
 
@@ -44,6 +50,55 @@ std::optional<Picture> read_webp(ByteSource& source, const HeaderCheck& wants) {
   const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
   picture.is_complete = decode(bytes.data(), bytes.size(), values.data(), values.size(), row_size) != nullptr;
   return picture;
+}
+
+namespace {
+
+struct WebPFrees {
+  void operator()(uint8_t* bytes) const { WebPFree(bytes); }
+  void operator()(WebPMux* mux) const { WebPMuxDelete(mux); }
+};
+
+struct EncodedWebP {
+  std::unique_ptr<uint8_t, WebPFrees> bytes;
+  size_t size = 0;
+};
+
+}  // namespace
+
+// Each picture is encoded once, all of them at the same time. libwebp's WebPAnimEncoder would encode one frame after the
+// other, also those on the way back.
+void write_webp(const std::string& path, const Frames& frames, int milliseconds) {
+  require(frames.columns <= WEBP_MAX_DIMENSION && frames.rows <= WEBP_MAX_DIMENSION,
+          "{}: expected at most {} × {} pixels in a WebP, got {} × {}; use a larger pixel", path, WEBP_MAX_DIMENSION,
+          WEBP_MAX_DIMENSION, frames.columns, frames.rows);
+  NewFile file(path);
+  std::vector<EncodedWebP> encoded(frames.pictures.size());
+  parallel_for(0, int64_t(encoded.size()), [&](int64_t i) {
+    uint8_t* bytes = nullptr;
+    encoded[size_t(i)].size = WebPEncodeLosslessRGB(frames.pictures[size_t(i)].data(), frames.columns, frames.rows,
+                                                    3 * frames.columns, &bytes);
+    encoded[size_t(i)].bytes.reset(bytes);
+  });
+  const std::unique_ptr<WebPMux, WebPFrees> mux(WebPMuxNew());
+  const WebPMuxAnimParams endless{0xffffffff, 0};
+  bool is_made = mux && WebPMuxSetAnimationParams(mux.get(), &endless) == WEBP_MUX_OK;
+  for (const size_t i : frames.order) {
+    WebPMuxFrameInfo frame{};
+    frame.bitstream = {encoded[i].bytes.get(), encoded[i].size};
+    frame.id = WEBP_CHUNK_ANMF;
+    frame.duration = milliseconds;
+    frame.blend_method = WEBP_MUX_NO_BLEND;
+    is_made = is_made && encoded[i].size > 0 && WebPMuxPushFrame(mux.get(), &frame, 0) == WEBP_MUX_OK;
+  }
+  WebPData whole{};
+  is_made = is_made && WebPMuxAssemble(mux.get(), &whole) == WEBP_MUX_OK;
+  const std::unique_ptr<const WebPData, void (*)(const WebPData*)> kept(
+      &whole, [](const WebPData* data) { WebPFree(const_cast<uint8_t*>(data->bytes)); });
+  require(is_made, "expected to write {} as a WebP of {} × {} pixels, but it cannot hold them; use fewer pixels", path,
+          frames.columns, frames.rows);
+  file.put(whole.bytes, whole.size);
+  file.finish();
 }
 
 }  // namespace holotrace

@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include "holotrace/base/error.h"
+#include "holotrace/io/files/child_process.h"
+#include "holotrace/io/picture/formats/formats.h"
+
+namespace holotrace {
+namespace {
+
+std::string encoder_of(const std::string& path) { return extension_of(path) == ".mp4" ? "libx264" : "libvpx-vp9"; }
+
+std::vector<std::string> ffmpeg_words(const std::string& path, size_t columns, size_t rows, int milliseconds) {
+  std::vector<std::string> words{"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-xerror", "-y"};
+  const auto add = [&](std::initializer_list<std::string> some) { words.insert(words.end(), some); };
+  add({"-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", fmt::format("{}x{}", columns, rows)});
+  add({"-framerate", fmt::format("1000/{}", milliseconds), "-i", "pipe:0"});
+  add({"-vf", "scale=out_range=tv:out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int", "-pix_fmt", "yuv420p"});
+  add({"-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"});
+  add({"-c:v", encoder_of(path), "-crf", "15", "-threads", "1", "-flags:v", "+bitexact", "-fflags", "+bitexact"});
+  if (extension_of(path) == ".mp4")
+    add({"-preset", "medium", "-movflags", "+faststart", "-f", "mp4"});  // it begins to play before it is all there
+  else
+    add({"-b:v", "0", "-deadline", "good", "-cpu-used", "2", "-f", "webm"});
+  return words;
+}
+
+}  // namespace
+
+// FFmpeg's libraries are not loaded: the structures that their functions take differ from version to version.
+void check_film(const std::string& path) {
+  const std::string encoder = encoder_of(path);
+  const ProgramRun run = run_program({"ffmpeg", "-hide_banner", "-encoders"}, [] { return std::string_view(); });
+  require(
+      run.start_error.empty(),
+      "expected the program ffmpeg to write {} with, got \"{}\"; install it (Debian: ffmpeg), or name a .webp or .gif",
+      path, run.start_error);
+  require(
+      run.output.find(" " + encoder + " ") != std::string::npos,
+      "expected an ffmpeg with the encoder {} to write {} with, got one without it; install one that has it (Debian: "
+      "ffmpeg), or name a .webp or .gif",
+      encoder, path);
+}
+
+void write_film(const std::string& path, const Frames& frames, int milliseconds) {
+  check_film(path);
+  const auto nx = size_t(frames.columns), ny = size_t(frames.rows), columns = nx + nx % 2, rows = ny + ny % 2;
+  std::vector<char> frame(3 * columns * rows);
+  const auto fill = [&](const std::vector<uint8_t>& colours) {
+    for (size_t j = 0; j < rows; ++j)
+      for (const size_t shift : {columns - nx, size_t(0)})  // an odd row is written twice, which leaves its last pixel
+        std::memcpy(frame.data() + 3 * (columns * j + shift), colours.data() + 3 * nx * std::min(j, ny - 1), 3 * nx);
+  };
+  size_t sent = 0;
+  const auto next = [&] {
+    if (sent == frames.order.size()) return std::string_view();
+    fill(frames.pictures[frames.order[sent++]]);
+    return std::string_view(frame.data(), frame.size());
+  };
+  write_atomically(path, [&](const std::string& temporary) {
+    std::vector<std::string> words = ffmpeg_words(path, columns, rows, milliseconds);
+    words.push_back("file:" + temporary);
+    const ProgramRun run = run_program(words, next);
+    require(run.has_succeeded, "expected ffmpeg to write {}, got \"{}\"; update ffmpeg, or name a .webp or .gif", path,
+            run.start_error + run.messages.substr(0, run.messages.find('\n')));
+  });
+}
+
+}  // namespace holotrace
