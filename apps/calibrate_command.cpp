@@ -82,7 +82,7 @@ struct FitOptions {
 void write_patterns(const PatternOptions& o) {
   TestPatternParams params;
   o.flags.apply(params);
-  const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
+  const double wavelength = parse_wavelength_flag(o.wavelength);
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
   CalibrationPlan plan{distance, make_test_patterns(load_slm(o.slm), wavelength, distance, params)};
   say_warnings(save_plan(o.output, plan));

@@ -117,7 +117,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       slm = load_slm("pluto");
     }
     std::vector<double> wavelengths;
-    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
+    if (!o->wavelength.empty()) wavelengths = parse_wavelengths_flag(o->wavelength);
     Console console(global.is_quiet);
     console.keep_progress_in(std::filesystem::path(o->output).parent_path().string());
     require(!params.is_joint || params.method == Encoding::sgd,

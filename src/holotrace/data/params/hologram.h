@@ -30,7 +30,8 @@ void describe(Visitor&& v, HologramParams& p) {
   v(angle("range", p.range, range::not_negative,
           "phase range of the panel: phase that all levels together span, 360 deg for a full cycle; 0 deg: the panel's "
           "own value"));
-  v(length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known"));
+  v(wavelength("wavelength", p.wavelength, range::not_negative,
+               "wavelength of a file without metadata; 0 m: not known"));
 }
 
 }  // namespace holotrace
