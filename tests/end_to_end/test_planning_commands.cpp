@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "end_to_end/expect_error.h"
 #include "end_to_end/scenes.h"
 #include "end_to_end/succeed.h"
 #include "holotrace/base/units.h"

@@ -11,11 +11,18 @@
 namespace holotrace {
 namespace {
 
+constexpr std::string_view blanks = " \t\n";
+
+std::string_view trimmed(std::string_view text) {
+  const size_t first = std::min(text.find_first_not_of(blanks), text.size());
+  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
 // The name as it is compared: in lower case, without spaces and hyphens.
 std::string compared(std::string_view name) {
   std::string out;
   for (const char c : name)
-    if (c != ' ' && c != '\t' && c != '\n' && c != '-') out += char(std::tolower(static_cast<unsigned char>(c)));
+    if (blanks.find(c) == std::string_view::npos && c != '-') out += char(std::tolower(static_cast<unsigned char>(c)));
   return out;
 }
 
@@ -70,8 +77,7 @@ const NamedLight& light_named(std::string_view name) {
   const auto place = std::find(known.begin(), known.end(), nearest) - known.begin();
   const std::string advice = nearest.empty() ? "holotrace info --lights lists them"
                                              : "did you mean \"" + named_lights()[size_t(place)].name + "\"?";
-  fail("expected a length with its unit, such as \"532 nm\", or a known light ({}), got \"{}\"", advice,
-       printable(name));
+  fail("expected a length with its unit, such as \"532 nm\", or a known light ({}), got \"{}\"", advice, trimmed(name));
 }
 
 double parse_wavelength(std::string_view text, std::string_view name) {
@@ -82,14 +88,14 @@ std::vector<double> parse_wavelengths(std::string_view text, std::string_view na
   std::vector<std::string_view> parts;
   for (size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
     end = std::min(text.find(',', begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
+    parts.push_back(trimmed(text.substr(begin, end - begin)));
   }
   if (std::none_of(parts.begin(), parts.end(), is_light)) return parse_lengths(text, name);
 
   std::vector<double> wavelengths;
   std::string lengths;  // the parts since the last light: lengths may share a unit
   const auto read_lengths = [&] {
-    if (lengths.find_first_not_of(", \t\n") != std::string::npos)
+    if (lengths.find_first_not_of(',') != std::string::npos)
       for (const double length : parse_lengths(lengths, name)) wavelengths.push_back(length);
     lengths.clear();
   };
