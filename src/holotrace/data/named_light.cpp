@@ -11,18 +11,19 @@
 namespace holotrace {
 namespace {
 
-constexpr std::string_view blanks = " \t\n";
+constexpr std::string_view white_space = " \t\n";
 
 std::string_view trimmed(std::string_view text) {
-  const size_t first = std::min(text.find_first_not_of(blanks), text.size());
-  return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+  const size_t first = std::min(text.find_first_not_of(white_space), text.size());
+  return text.substr(first, text.find_last_not_of(white_space) + 1 - first);
 }
 
 // The name as it is compared: in lower case, without spaces and hyphens.
 std::string compared(std::string_view name) {
   std::string out;
   for (const char c : name)
-    if (blanks.find(c) == std::string_view::npos && c != '-') out += char(std::tolower(static_cast<unsigned char>(c)));
+    if (white_space.find(c) == std::string_view::npos && c != '-')
+      out += char(std::tolower(static_cast<unsigned char>(c)));
   return out;
 }
 
