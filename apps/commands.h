@@ -61,10 +61,10 @@ inline void add_wavelength(CLI::App& command, std::string& text) {
   command
       .add_option(
           "--wavelength", text,
-          "wavelength of the light, or a light by name (holotrace info --lights); several for colour, for example \"638 nm, "
-          "520 nm, 450 nm\" or \"HeNe, DPSS 532, 450 nm\" [the input's; "
+          "wavelength of the light, or its name (holotrace info --lights); several for colour, for example \"638 nm, "
+          "520 nm, 450 nm\" or \"HeNe, DPSS 532\" [the input's; "
           "models, and scenes that give none: 638, 532 and 450 nm if they have colours, else 532 nm]")
-      ->type_name("LENGTHS");
+      ->type_name("WAVELENGTHS");
 }
 
 /// Sets the wavelengths of a job by the text of `--wavelength`, which then were not chosen for it. An empty text changes nothing.

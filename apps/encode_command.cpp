@@ -72,7 +72,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   add_slm(*command, o->slm, "256 levels on the field's grid; pictures and focal stacks: pluto");
   command
       ->add_option("--wavelength", o->wavelength, "wavelength of a target picture or focal stack; several for colour")
-      ->type_name("LENGTHS");
+      ->type_name("WAVELENGTHS");
   command
       ->add_option("--frames", o->frames,
                    "focal stacks: number of holograms that are shown one after the other, found together so that their "

@@ -60,7 +60,7 @@ FlagText flag_text(const Parameter<Value>& p) {
   else if constexpr (std::is_same_v<Value, Vec3>)
     return {"LENGTHS", p.help, format_lengths({p.value.x, p.value.y, p.value.z})};
   else if (is_length(p.quantity))
-    return {"LENGTH", help, format_length(p.value)};
+    return {p.quantity == Quantity::wavelength ? "WAVELENGTH" : "LENGTH", help, format_length(p.value)};
   else if (p.quantity == Quantity::angle)
     return {"ANGLE", help, format_angle(p.value)};
   else if (p.quantity == Quantity::number)

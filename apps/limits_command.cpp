@@ -276,7 +276,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
 void add_flags(CLI::App& command, LimitsOptions& o) {
   add_slm(command, o.slm, "pluto");
   command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each [" + o.wavelength + "]")
-      ->type_name("LENGTHS");
+      ->type_name("WAVELENGTHS");
   command
       .add_option("--distance", o.distance,
                   "distance of the scene behind the panel and of the viewer in front of it [300 mm]")
