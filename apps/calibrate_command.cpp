@@ -82,7 +82,7 @@ struct FitOptions {
 void write_patterns(const PatternOptions& o) {
   TestPatternParams params;
   o.flags.apply(params);
-  const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
+  const double wavelength = parse_wavelength_flag(o.wavelength);
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
   CalibrationPlan plan{distance, make_test_patterns(load_slm(o.slm), wavelength, distance, params)};
   say_warnings(save_plan(o.output, plan));
@@ -146,7 +146,7 @@ void add_calibrate_command(CLI::App& app, const GlobalFlags& global) {
   auto p = std::make_shared<PatternOptions>();
   add_slm(*patterns, p->slm, "pluto");
   patterns->add_option("--wavelength", p->wavelength, "wavelength of the light [" + p->wavelength + "]")
-      ->type_name("LENGTH");
+      ->type_name("WAVELENGTH");
   patterns->add_option("--distance", p->distance, "distance from the panel to the camera's bare sensor [300 mm]")
       ->type_name("LENGTH");
   patterns->add_option("-o,--output", p->output, "folder for the patterns and calibration.toml")

@@ -59,16 +59,18 @@ inline void add_report(CLI::App& command, std::string& path) {
 /// Adds `--wavelength`.
 inline void add_wavelength(CLI::App& command, std::string& text) {
   command
-      .add_option("--wavelength", text,
-                  "wavelength of the light; several for colour, for example \"638 nm, 520 nm, 450 nm\" [the input's; "
-                  "models, and scenes that give none: 638, 532 and 450 nm if they have colours, else 532 nm]")
-      ->type_name("LENGTHS");
+      .add_option(
+          "--wavelength", text,
+          "wavelength of the light, or its name (holotrace info --lights); several for colour, for example \"638 nm, "
+          "520 nm, 450 nm\" or \"HeNe, DPSS 532\" [the input's; "
+          "models, and scenes that give none: 638, 532 and 450 nm if they have colours, else 532 nm]")
+      ->type_name("WAVELENGTHS");
 }
 
 /// Sets the wavelengths of a job by the text of `--wavelength`, which then were not chosen for it. An empty text changes nothing.
 /// @throws Error  for a text that is not a list of lengths above 0
 inline void set_wavelengths(const std::string& text, Job& job) {
-  if (!text.empty()) set_wavelengths(parse_lengths_flag("--wavelength", text, range::positive), job);
+  if (!text.empty()) set_wavelengths(parse_wavelengths_flag(text), job);
 }
 
 /// Adds `--slm`, the name of a panel for load_slm. @param otherwise  the panel without the flag

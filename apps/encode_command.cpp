@@ -76,7 +76,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   add_slm(*command, o->slm, "256 levels on the field's grid; pictures and focal stacks: pluto");
   command
       ->add_option("--wavelength", o->wavelength, "wavelength of a target picture or focal stack; several for colour")
-      ->type_name("LENGTHS");
+      ->type_name("WAVELENGTHS");
   command
       ->add_option("--frames", o->frames,
                    "focal stacks: number of holograms that are shown one after the other, found together so that their "
@@ -123,7 +123,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
       slm = load_slm("pluto");
     }
     std::vector<double> wavelengths;
-    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
+    if (!o->wavelength.empty()) wavelengths = parse_wavelengths_flag(o->wavelength);
     Console console(global.is_quiet);
     console.keep_progress_in(std::filesystem::path(o->output).parent_path().string());
     require(!params.is_joint || params.method == Encoding::sgd,

@@ -256,9 +256,8 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
   o->depth_image.add(*command);
   command->callback([o, &global] {
     if (o->depth_image.check(o->inputs, o->is_double)) {
-      const std::vector<double> wavelengths = o->wavelengths.empty()
-                                                  ? std::vector<double>{}
-                                                  : parse_lengths_flag("--wavelength", o->wavelengths, range::positive);
+      const std::vector<double> wavelengths =
+          o->wavelengths.empty() ? std::vector<double>{} : parse_wavelengths_flag(o->wavelengths);
       check_output(o->output, field_extensions(false));
       Console console(global.is_quiet);
       console.keep_report(o->report);

@@ -39,16 +39,22 @@ double parse_length_flag(const char* flag, const std::string& text, const Range&
   return read_flag(flag, [&] { return length_within(text, range, flag); });
 }
 
-std::vector<double> parse_lengths_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] { return lengths_within(text, range, flag); });
-}
-
 double parse_angle_flag(const char* flag, const std::string& text, const Range& range) {
   return read_flag(flag, [&] { return angle_within(text, range); });
 }
 
 double parse_size_flag(const char* flag, const std::string& text) {
   return read_flag(flag, [&] { return parse_size(text); });
+}
+
+double parse_wavelength_flag(const std::string& text) {
+  return read_flag("--wavelength",
+                   [&] { return length_within(text, range::positive, "--wavelength", Quantity::wavelength); });
+}
+
+std::vector<double> parse_wavelengths_flag(const std::string& text) {
+  return read_flag("--wavelength",
+                   [&] { return lengths_within(text, range::positive, "--wavelength", Quantity::wavelength); });
 }
 
 void Flags::add_flag(CLI::App& command, const std::string& name, const FlagText& text, const std::string& group,

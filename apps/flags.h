@@ -23,12 +23,16 @@ std::string dashed(std::string name);
 /// Checks a number of a flag that is not in a parameter struct. @throws Error, naming the flag, outside the range
 void check_flag(const char* flag, double value, const Range& range, Quantity quantity);
 
-/// A length [m], lengths [m], an angle [rad] or a size [bytes] from the text of a flag that is not in a parameter struct.
+/// A length [m], an angle [rad] or a size [bytes] from the text of a flag that is not in a parameter struct.
 /// @throws Error, naming the flag, if the text is invalid or outside the range
 double parse_length_flag(const char* flag, const std::string& text, const Range& range);
-std::vector<double> parse_lengths_flag(const char* flag, const std::string& text, const Range& range);
 double parse_angle_flag(const char* flag, const std::string& text, const Range& range);
 double parse_size_flag(const char* flag, const std::string& text);
+
+/// A wavelength [m], or several, from the text of --wavelength: lengths above 0, or names of lights.
+/// @throws Error, naming the flag, if the text is invalid
+double parse_wavelength_flag(const std::string& text);
+std::vector<double> parse_wavelengths_flag(const std::string& text);
 
 /// What the help text says of a flag: how it calls the value, what it is for, and its default.
 struct FlagText {
@@ -55,8 +59,8 @@ FlagText flag_text(const Parameter<Value>& p) {
     return {"LENGTHS", help, format_lengths(p.value)};
   else if constexpr (std::is_same_v<Value, Vec3>)
     return {"LENGTHS", p.help, format_lengths({p.value.x, p.value.y, p.value.z})};
-  else if (p.quantity == Quantity::length)
-    return {"LENGTH", help, format_length(p.value)};
+  else if (is_length(p.quantity))
+    return {p.quantity == Quantity::wavelength ? "WAVELENGTH" : "LENGTH", help, format_length(p.value)};
   else if (p.quantity == Quantity::angle)
     return {"ANGLE", help, format_angle(p.value)};
   else if (p.quantity == Quantity::number)

@@ -1,6 +1,4 @@
-// holotrace info: prints the content of a file or a panel, or the devices of this machine.
-
-#include <fmt/ranges.h>
+// holotrace info: prints the content of a file or a panel, or lists panels, lights, or the devices of this machine.
 
 #include <algorithm>
 #include <memory>
@@ -11,6 +9,7 @@
 #include "holotrace/base/machine.h"
 #include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/named_light.h"
 #include "holotrace/data/params/device.h"
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/files/file.h"
@@ -84,6 +83,69 @@ void print_devices(bool is_json) {
   if (devices.empty()) say("no OpenCL devices: {}\n", printable(why_none));
 }
 
+Json facts_of(const KnownPanel& panel) {
+  Json facts{{"name", panel.name}, {"is_own", panel.is_users}, {"file", panel.file}};
+  try {
+    const Slm slm = slm_preset(panel.name);
+    facts.update(Json{{"columns", slm.grid.nx},
+                      {"rows", slm.grid.ny},
+                      {"pitch_m", slm.grid.pitch},
+                      {"levels", slm.levels},
+                      {"modulation", name_of(slm.modulation, modulation_names)},
+                      {"fill_factor", slm.fill_factor},
+                      {"source", slm.source}});
+  } catch (const Error& error) {
+    facts["fault"] = error.what();
+  }
+  return facts;
+}
+
+// The beginning of a source, which has the maker and the type of a panel: "HOLOEYE LUNA data sheet".
+std::string beginning_of(const std::string& source) {
+  const std::string beginning = source.substr(0, source.find_first_of(";("));
+  return beginning.substr(0, beginning.find_last_not_of(' ') + 1);
+}
+
+/// Lists the panels that --slm knows by name, those in folders of the user's with a star; or as JSON.
+void print_panels(bool is_json) {
+  Json panels = Json::array();
+  size_t width = 0;
+  bool has_own = false;
+  for (const KnownPanel& panel : known_panels()) {
+    panels.push_back(facts_of(panel));
+    width = std::max(width, panel.name.size());
+    has_own |= panel.is_users;
+  }
+  if (is_json) return print_facts({{"panels", panels}}, true);
+  fmt::print("  {:<{}} {:>11} {:>8} {:>6} {:<10} {:>5}  {}\n", "name", width, "pixels", "pitch", "levels", "modulation",
+             "fill", "maker, type and source");
+  for (const Json& panel : panels) {
+    fmt::print("{} {:<{}} ", panel["is_own"].get<bool>() ? '*' : ' ', printable(panel["name"].get<std::string>()),
+               width);
+    if (panel.contains("fault"))
+      fmt::print("cannot be read: {}\n", printable(panel["fault"].get<std::string>()));
+    else
+      fmt::print("{:>11} {:>8} {:>6} {:<10} {:>5g}  {}\n",
+                 fmt::format("{} x {}", panel["columns"].get<int>(), panel["rows"].get<int>()),
+                 format_length(panel["pitch_m"].get<double>()), panel["levels"].get<int>(),
+                 panel["modulation"].get<std::string>(), panel["fill_factor"].get<double>(),
+                 printable(beginning_of(panel["source"].get<std::string>())));
+  }
+  if (has_own) fmt::print("* from a folder of your own\n");
+}
+
+/// Lists the lasers and LEDs whose names stand for wavelengths; or as JSON.
+void print_lights(bool is_json) {
+  Json lights = Json::array();
+  for (const auto& [name, wavelength, bandwidth, source] : named_lights())
+    lights.push_back({{"name", name}, {"wavelength_m", wavelength}, {"bandwidth_m", bandwidth}, {"source", source}});
+  if (is_json) return print_facts({{"lights", lights}}, true);
+  fmt::print("{:<12} {:>10} {:>9}  {}\n", "name", "wavelength", "bandwidth", "source");
+  for (const auto& [name, wavelength, bandwidth, source] : named_lights())
+    fmt::print("{:<12} {:>10} {:>9}  {}\n", name, format_length(wavelength),
+               bandwidth > 0 ? format_length(bandwidth) : "narrow", source);
+}
+
 // A picture is a hologram if flags say what it shows.
 Json describe_input(const std::string& path, const Flags& flags, Outside outside) {
   if (flags.texts().empty()) return describe_file(path, outside);
@@ -98,10 +160,11 @@ Json describe_input(const std::string& path, const Flags& flags, Outside outside
 void add_info_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand(
       "info",
-      "contents of any file that holotrace reads or of the folder of a run, data of a panel, or devices of this machine");
+      "contents of any file that holotrace reads or of the folder of a run; data of a panel; or a list of the known "
+      "panels, the known lights or the devices of this machine");
   struct Options {
     std::string path, slm;
-    bool is_json = false, has_devices = false;
+    bool is_json = false, has_devices = false, has_lights = false;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -109,19 +172,28 @@ void add_info_command(CLI::App& app, const GlobalFlags& global) {
   auto* slm =
       command
           ->add_option("--slm", o->slm,
-                       fmt::format("panel whose data, effects and their sources are shown; by name ({}) or file",
-                                   fmt::join(slm_preset_names(), ", ")))
-          ->type_name("NAME|FILE.toml");
+                       "panel whose data, effects and their sources are shown; without a value: all panels that are "
+                       "known by name")
+          ->type_name("NAME|FILE.toml")
+          ->expected(0, 1);
   slm->excludes(file);
   command->add_flag("--devices", o->has_devices,
                     "processor and OpenCL devices of this machine, as --device names them");
+  command->add_flag("--lights", o->has_lights, "lasers and LEDs whose names may be given as wavelengths");
   command->add_flag("--json", o->is_json, "as JSON");
   add_hologram_flags(*command, o->flags, {"range"});  // it is the panel's
-  command->callback([o, &global] {
-    if (o->has_devices && !o->path.empty()) throw CLI::ExcludesError("--devices", "a file");
-    if (o->has_devices && !o->slm.empty()) throw CLI::ExcludesError("--devices", "--slm");
+  command->callback([o, slm, &global] {
+    const bool has_slm = slm->count() > 0;
+    std::vector<const char*> asked;
+    if (o->has_devices) asked.push_back("--devices");
+    if (o->has_lights) asked.push_back("--lights");
+    if (has_slm) asked.push_back("--slm");
+    if (!o->path.empty()) asked.push_back("a file");
+    if (asked.empty()) throw CLI::RequiredError("a file or folder, --slm, --lights or --devices");
+    if (asked.size() > 1) throw CLI::ExcludesError(asked[0], asked[1]);
     if (o->has_devices) return print_devices(o->is_json);
-    if (o->path.empty() && o->slm.empty()) throw CLI::RequiredError("a file or folder, --slm or --devices");
+    if (o->has_lights) return print_lights(o->is_json);
+    if (has_slm && o->slm.empty()) return print_panels(o->is_json);
     print_facts(o->slm.empty() ? describe_input(o->path, o->flags, global.outside()) : describe_slm(load_slm(o->slm)),
                 o->is_json);
   });

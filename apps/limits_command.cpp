@@ -179,7 +179,7 @@ struct LimitsOptions {
 
 LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command, const GlobalFlags& global) {
   LimitsQuestion q;
-  q.wavelengths = parse_lengths_flag("--wavelength", o.wavelength, range::positive);
+  q.wavelengths = parse_wavelengths_flag(o.wavelength);
   if (o.scene.empty()) {
     q.slm = load_slm(o.slm);
   } else {
@@ -227,7 +227,7 @@ void answer_about_panel(const LimitsOptions& o, const CLI::App& command, const G
 
 // The panel that is needed for a given angle, size and resolution.
 void answer_backwards(const LimitsOptions& o, bool has_rate) {
-  const double wavelength = parse_length_flag("--wavelength", o.wavelength, range::positive);
+  const double wavelength = parse_wavelength_flag(o.wavelength);
   const double angle = parse_angle_flag("--angle", o.angle, range::between(0, pi / 2)),
                pitch = wanted_pitch(wavelength, angle);
   Json facts{{"wavelength_m", wavelength}, {"half_angle_deg", angle * 180 / pi}, {"wanted_pitch_m", pitch}};
@@ -276,7 +276,7 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
 void add_flags(CLI::App& command, LimitsOptions& o) {
   add_slm(command, o.slm, "pluto");
   command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each [" + o.wavelength + "]")
-      ->type_name("LENGTHS");
+      ->type_name("WAVELENGTHS");
   command
       .add_option("--distance", o.distance,
                   "distance of the scene behind the panel and of the viewer in front of it [300 mm]")

@@ -134,9 +134,9 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "--wavelength", o->wavelength,
-          "wavelength of the illumination, and of holograms without metadata; several: one for each of these in the order "
+          "wavelength of the illumination, or its name (holotrace info --lights), and of holograms without metadata; several: one for each of these in the order "
           "of the files, and of red, green and blue of a coloured one [the holograms' own]")
-      ->type_name("LENGTHS");
+      ->type_name("WAVELENGTHS");
   o->flags.add(*command, ShowParams(), {"wavelength"});
   const std::string kept = "as the first hologram's run";
   o->flags.add(*command, CameraParams(), {}, "", {{"distances", kept}, {"pupil", kept}, {"eye", kept}});
@@ -154,7 +154,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->report.empty()) check_output(o->report, {".json"});
     const std::vector<Input> inputs = holograms_of(o->inputs, o->flags);
     std::vector<double> wavelengths{0};
-    if (!o->wavelength.empty()) wavelengths = parse_lengths_flag("--wavelength", o->wavelength, range::positive);
+    if (!o->wavelength.empty()) wavelengths = parse_wavelengths_flag(o->wavelength);
     const bool is_one = wavelengths.size() == 1;
     require(is_one || wavelengths.size() == inputs.size(),
             "expected one --wavelength, or one for each of the {} holograms, got {}", inputs.size(),

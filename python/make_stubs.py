@@ -21,6 +21,7 @@ TYPES = {
     "number": "float",
     "length": "Length",
     "lengths": "Lengths",
+    "wavelength": "Length",
     "angle": "Angle",
     "position": "Lengths",
     "flag": "bool",

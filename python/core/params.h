@@ -36,7 +36,7 @@ void set_param(const Parameter<Value>& p, nb::handle given) {
     p.value = to_position(given, p.name);
     check_range(p.value.z, p.range, p.quantity, fmt::format(" for z of \"{}\"", p.name));
   } else if constexpr (std::is_same_v<Value, double>) {
-    const double number = p.quantity == Quantity::length  ? to_length(given, p.name)
+    const double number = is_length(p.quantity)           ? to_length(given, p.name, p.quantity)
                           : p.quantity == Quantity::angle ? to_angle(given, p.name)
                                                           : to_number(given, p.name);
     check_named(number, p.range, p.quantity, p.name);

@@ -1,6 +1,9 @@
-// The parameters of every stage, from the lists in data/params/.
+// The parameters of every stage, from the lists in data/params/, and the known lights.
+
+#include <nanobind/stl/vector.h>
 
 #include "holotrace/data/depth_image.h"
+#include "holotrace/data/named_light.h"
 #include "holotrace/data/params/calibrate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
@@ -55,6 +58,15 @@ void bind_params(nb::module_& module) {
   module.def(
       "text", [](nb::handle value, const char* name) { return to_text(value, name); }, nb::arg("value").none(),
       nb::arg("name"));
+  module.def("light", [](const std::string& name) {
+    const NamedLight& light = light_named(name);
+    return nb::make_tuple(light.name, light.wavelength, light.bandwidth, light.source);
+  });
+  module.def("light_names", [] {
+    std::vector<std::string> names;
+    for (const NamedLight& light : named_lights()) names.push_back(light.name);
+    return names;
+  });
   module.def("wavelengths", [](nb::handle value) {
     return nb::tuple([&] {
       nb::list list;

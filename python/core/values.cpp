@@ -6,6 +6,7 @@
 #include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
+#include "holotrace/data/params/parameter_texts.h"
 
 namespace holotrace::python {
 namespace {
@@ -72,26 +73,26 @@ void check_named(double value, const Range& range, Quantity quantity, const char
   check_range(value, range, quantity, std::string(" for \"") + name + "\"");
 }
 
-double to_length(nb::handle value, const char* name) {
+double to_length(nb::handle value, const char* name, Quantity quantity) {
   return to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",",
-                     [&](const std::string& text) { return parse_length(text, name); });
+                     [&](const std::string& text) { return length_within(text, range::any, name, quantity); });
 }
 
 double to_angle(nb::handle value, const char* name) {
   return to_quantity(value, name, "an angle in radians, or a text with its unit such as \"15 deg\",", parse_angle);
 }
 
-std::vector<double> to_lengths(nb::handle value, const char* name) {
+std::vector<double> to_lengths(nb::handle value, const char* name, Quantity quantity) {
   if (is_text(value)) {
     try {
-      return parse_lengths(as_text(value), name);
+      return lengths_within(as_text(value), range::any, name, quantity);
     } catch (const Error& error) {
       fail("{} for \"{}\"", error.what(), name);
     }
   }
-  if (is_number(value) && !PySequence_Check(value.ptr())) return {to_length(value, name)};
+  if (is_number(value) && !PySequence_Check(value.ptr())) return {to_length(value, name, quantity)};
   std::vector<double> lengths;
-  each_item(value, name, "lengths", [&](nb::handle item) { lengths.push_back(to_length(item, name)); });
+  each_item(value, name, "lengths", [&](nb::handle item) { lengths.push_back(to_length(item, name, quantity)); });
   return lengths;
 }
 
@@ -102,13 +103,13 @@ Vec3 to_position(nb::handle value, const char* name) {
 }
 
 double to_wavelength(nb::handle value, const char* name) {
-  const double metres = to_length(value, name);
+  const double metres = to_length(value, name, Quantity::wavelength);
   check_wavelength_of(metres, value, name);
   return metres;
 }
 
 std::vector<double> to_wavelengths(nb::handle value, const char* name) {
-  const std::vector<double> wavelengths = to_lengths(value, name);
+  const std::vector<double> wavelengths = to_lengths(value, name, Quantity::wavelength);
   require(!wavelengths.empty(), "expected one wavelength or more for \"{}\", got none", name);
   for (const double metres : wavelengths) check_wavelength_of(metres, value, name);
   return wavelengths;

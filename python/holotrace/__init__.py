@@ -5,7 +5,7 @@
     field = ht.Field(array, pitch="8 um", wavelength="632.8 nm")
     hologram = ht.encode(ht.propagate(field, "-150 mm"))
 
-Lengths are metres, or texts with a unit. Arrays have the shape (ny, nx), row 0 on top. ``ht.Error`` is what the
+Lengths are metres, or texts with a unit; wavelengths also names of lights. Arrays have the shape (ny, nx), row 0 on top. ``ht.Error`` is what the
 program reports, in the same words.
 """
 
@@ -25,6 +25,7 @@ from ._figures import (
 )
 from ._holograms import Hologram, Slm, load_hologram
 from ._images import DepthImage, FocalStack, Image, load_depth_image, load_focal_stack, load_image
+from ._lights import Light
 from ._progress import ResultWarning, set_threads
 from ._scenes import Scene, fields, focal_stack, load_scene, render, render_pair, trace
 from ._views import Views, anaglyph, view
@@ -38,6 +39,7 @@ __all__ = [
     "FocalStack",
     "Hologram",
     "Image",
+    "Light",
     "ResultWarning",
     "Run",
     "Scene",

@@ -18,6 +18,7 @@ _KINDS = {
     "number": "float",
     "length": "length",
     "lengths": "lengths",
+    "wavelength": "wavelength",
     "angle": "angle",
     "position": "three lengths",
     "flag": "bool",

@@ -6,6 +6,7 @@ from typing import Sequence, Union
 
 #: A length in metres, or a text with its unit: 8e-6, "8 um", "300 mm".
 Length = Union[float, str]
+#: A wavelength may also be the name of a light: "HeNe" (:class:`Light`).
 #: One length or several: 0.3, "290, 310 mm", [0.29, "310 mm"].
 Lengths = Union[float, str, Sequence[Union[float, str]]]
 #: An angle in radians, or a text with its unit: 0.1, "15 deg".

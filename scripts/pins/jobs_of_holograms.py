@@ -155,8 +155,8 @@ def figures():
                                         "seeds/stack.h5"),
               f"info {POINTS} --json", f"info {IN}/grey.png --image real --wavelength '532 nm'")
     yield job("info-panels", *for_words("info --slm WORD --json", "gaea", "ideal", "leto", "luna", "pluto",
-                                        f"{IN}/effects.toml"),
-              f"info {EFFECTS}")
+                                        "hamamatsu-x13138", "ti-dlp7000", "ti-plm67", f"{IN}/effects.toml"),
+              f"info {EFFECTS}", "info --lights", "info --lights --json")
     yield job("estimate", f"estimate {WALL} --json --fps 20", f"estimate {IN}/lasers.toml --json",
               f"run {POINTS} -o out --estimate --quiet")
     yield job("calibrate-patterns", f"calibrate patterns --slm {IN}/assumed.toml --wavelength '633 nm' --distance '50 mm' "

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "end_to_end/expect_error.h"
 #include "end_to_end/scenes.h"
 #include "end_to_end/succeed.h"
 #include "holotrace/base/units.h"
@@ -83,6 +84,63 @@ TEST(Commands, InfoKnowsEveryKindOfFile) {
     EXPECT_EQ(nlohmann::json::parse(succeed(work, {"info", file, "--json"})).at("kind"), kind) << file;
     EXPECT_NE(succeed(work, {"info", file}).find(kind), std::string::npos) << file;
   }
+}
+
+// A panel of the user's is marked and hides the built-in one of its name; one that cannot be read does not hide the others.
+TEST(Commands, InfoListsPanels) {
+  const Workplace work;
+  work.write("panels/luna.toml", "preset = \"pluto\"\nsource = \"measured on the bench\"\nlevels = 64\n");
+  work.write("panels/broken.toml", "preset = \"pluto\"\nlevles = 64\n");
+  setenv("HOLOTRACE_PANELS", work.path("panels").c_str(), 1);
+  const std::string table = succeed(work, {"info", "--slm"});
+  const auto panels = nlohmann::json::parse(succeed(work, {"info", "--slm", "--json"})).at("panels");
+  unsetenv("HOLOTRACE_PANELS");
+  EXPECT_NE(table.find("  pluto "), std::string::npos) << table;
+  EXPECT_NE(table.find("1920 x 1080     8 µm    256 phase       0.93  HOLOEYE PLUTO-2.1 data sheet\n"),
+            std::string::npos)
+      << table;
+  EXPECT_NE(table.find("* luna "), std::string::npos) << table;
+  EXPECT_NE(table.find("1920 x 1080     8 µm     64 phase       0.93  measured on the bench\n"), std::string::npos)
+      << table;
+  EXPECT_NE(table.find("* broken "), std::string::npos) << table;
+  EXPECT_NE(table.find("unknown key \"levles\"; did you mean \"levels\"?"), std::string::npos) << table;
+  EXPECT_NE(table.find("* from a folder of your own"), std::string::npos) << table;
+  EXPECT_EQ(succeed(work, {"info", "--slm"}).find('*'), std::string::npos);
+  std::map<std::string, nlohmann::json> by_name;
+  for (const auto& panel : panels) by_name[panel.at("name")] = panel;
+  EXPECT_TRUE(by_name.at("luna").at("is_own").get<bool>());
+  EXPECT_EQ(by_name.at("luna").at("file"), work.path("panels/luna.toml"));
+  EXPECT_TRUE(by_name.at("broken").contains("fault"));
+  const nlohmann::json& dmd = by_name.at("ti-dlp7000");
+  EXPECT_FALSE(dmd.at("is_own").get<bool>());
+  EXPECT_EQ(dmd.at("columns"), 1024);
+  EXPECT_EQ(dmd.at("rows"), 768);
+  EXPECT_EQ(dmd.at("pitch_m"), 13.68e-6);
+  EXPECT_EQ(dmd.at("levels"), 2);
+  EXPECT_EQ(dmd.at("modulation"), "amplitude");
+}
+
+TEST(Commands, InfoListsLights) {
+  const Workplace work;
+  const std::string table = succeed(work, {"info", "--lights"});
+  EXPECT_NE(table.find("HeNe           632.8 nm    narrow  helium-neon laser"), std::string::npos) << table;
+  EXPECT_NE(table.find("LED 530          530 nm     35 nm  Thorlabs M530L4"), std::string::npos) << table;
+  const auto lights = nlohmann::json::parse(succeed(work, {"info", "--lights", "--json"})).at("lights");
+  EXPECT_GE(lights.size(), 12u);
+  EXPECT_EQ(lights[0].at("name"), "HeNe");
+  EXPECT_EQ(lights[0].at("wavelength_m"), 632.8e-9);
+}
+
+TEST(Commands, FlagsOfWavelengthsTakeLightsByName) {
+  const Workplace work;
+  const auto json = [&](const std::vector<std::string>& arguments) {
+    return nlohmann::json::parse(succeed(work, arguments));
+  };
+  EXPECT_EQ(json({"limits", "--wavelength", "HeNe, dpss 532", "--json"}),
+            json({"limits", "--wavelength", "632.8 nm, 532 nm", "--json"}));
+  expect_error(work, {"limits", "--wavelength", "HeNi"}, {"--wavelength: expected a length", "did you mean \"HeNe\"?"});
+  expect_error(work, {"limits", "--distance", "HeNe"},
+               {"--distance: expected a length with its unit, such as \"300 mm\", got \"HeNe\""});
 }
 
 TEST(Commands, EstimateProbesTheScene) {

@@ -183,8 +183,7 @@ TEST(SlmChain, TheProgramShowsAPanelsEffects) {
   EXPECT_NE(wrong.err.find("unknown effect \"crostalk\"; did you mean \"crosstalk\"?"), std::string::npos) << wrong.err;
   const Outcome unknown = here.run({"info", "--slm", "plutto"});
   EXPECT_EQ(unknown.exit_code, 1);
-  EXPECT_NE(unknown.err.find("did you mean \"pluto\"? (known: gaea, ideal, leto, luna, pluto)"), std::string::npos)
-      << unknown.err;
+  EXPECT_NE(unknown.err.find("did you mean \"pluto\"?"), std::string::npos) << unknown.err;
 }
 
 }  // namespace

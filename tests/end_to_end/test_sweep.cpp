@@ -328,7 +328,7 @@ TEST(Show, ViewsMayBeJpegs) {
       "change its extension\n");
   EXPECT_EQ(
       work.run({"encode", "out/field.npy", "-o", "h.jpg"}).err,
-      "holotrace: expected a hologram file .png, got h.jpg, and a JPEG would change the levels of its pixels; change "
+      "holotrace: expected a hologram file .png, .bmp, .tif, .npy or .csv, got h.jpg, and a JPEG would change the levels of its pixels; change "
       "its extension\n");
   const Outcome render = work.run({"render", "scene.toml", "-o", "r.jpeg"});
   EXPECT_EQ(render.exit_code, 0) << render.err;

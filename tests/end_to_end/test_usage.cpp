@@ -112,6 +112,10 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
       {{"propagate", "f.npy", "-o", "g.npy"}, "expected --distance LENGTH, got none"},
       {{"compare", "a.png"}, "expected B (b), or the folder of a run as A, got none"},
       {{"info", "scene.toml", "--threads", "-1"}, "whole number of 0 or more"},
+      {{"info"}, "expected a file or folder, --slm, --lights or --devices, got none"},
+      {{"info", "scene.toml", "--lights"}, "--lights excludes a file"},
+      {{"info", "--slm", "--lights"}, "--lights excludes --slm"},
+      {{"info", "--slm", "pluto", "leto"}, "--slm excludes a file"},
       {{"show", "h.png", "-o"}, "--output"},
   };
   for (const auto& [arguments, sentence] : cases) {

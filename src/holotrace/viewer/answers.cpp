@@ -8,6 +8,8 @@
 #include <stdexcept>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/viewer/json_text.h"
 #include "holotrace/viewer/page_files.h"
@@ -90,7 +92,8 @@ HttpAnswer Answers::operator()(const HttpRequest& request) {
     const Turn turn = has_turn ? take_turn(query) : Turn();
     if (is_outdated(turn)) return {204, {}, {}};  // tells a request that is at work that this one is newer
     HttpAnswer answer;
-    LastingThread& thread = path == "reference" ? renders_ : pictures_;
+    LastingThread& thread =
+        path == "reference" || path.starts_with("film.") ? renders_ : pictures_;  // they take seconds
     thread.call([&] {
       answer = has_turn ? (path == "view" ? view(query, turn) : reference(query, turn)) : route(path, query);
     });
@@ -122,6 +125,7 @@ HttpAnswer Answers::route(const std::string& path, const Query& query) {
     std::memcpy(bytes.data(), points.data(), bytes.size());
     return {200, bytes_type, bytes};
   }
+  if (path.starts_with("film.")) return film(path, query);
   if (path == "view.png" || path == "view.exr")
     return {200, path == "view.png" ? "image/png" : "image/x-exr",
             session_.file(session_.state_of(query), path.substr(path.size() - 4)), path};
@@ -158,6 +162,18 @@ HttpAnswer Answers::reference(const Query& query, const Turn& turn) {
   const auto render = session_.reference(session_.state_of(query), [&] { return is_outdated(turn); });
   if (!render) return {204, {}, {}};
   return view_answer(*render, std::chrono::duration<double>(Clock::now() - start).count());
+}
+
+HttpAnswer Answers::film(const std::string& path, Query query) {
+  const std::string ending = path.substr(4), sweep = take_text(query, "sweep");
+  require(std::find(animation_endings.begin(), animation_endings.end(), ending) != animation_endings.end(),
+          "expected a film .gif, .webp, .mp4 or .webm, got {}", ending);
+  require(sweep == "focus" || sweep == "parallax", "expected focus or parallax for \"sweep\"");
+  const double from = parse_length(take_text(query, "sweep-from")), to = parse_length(take_text(query, "sweep-to"));
+  const bool is_picture = ending == ".gif" || ending == ".webp";
+  return {200, (is_picture ? "image/" : "video/") + ending.substr(1),
+          session_.film(session_.state_of(query), sweep == "focus" ? Sweep::focus : Sweep::parallax, from, to, ending),
+          path};
 }
 
 HttpAnswer Answers::panel(Query query) {

@@ -47,6 +47,7 @@ class Answers {
   bool is_outdated(const Turn& turn);
   HttpAnswer view(const Query& query, const Turn& turn);
   HttpAnswer reference(const Query& query, const Turn& turn);
+  HttpAnswer film(const std::string& path, Query query);
   HttpAnswer panel(Query query);
   HttpAnswer values(Query query);
 

@@ -84,6 +84,10 @@ class Session {
   /// The view as bytes of a file, as `holotrace show -o view.png` writes it. @param extension ".png" or ".exr"
   std::string file(const ViewState& state, const std::string& extension);
 
+  /// The views of a sweep from a distance or x of the eye to another [m] as bytes of an animation, as `holotrace show --sweep`
+  /// writes it. @param ending  one of animation_endings @throws Error also as check_animation does
+  std::string film(const ViewState& state, Sweep sweep, double from, double to, const std::string& ending);
+
   /// The command line of `holotrace show` that gives the view of a query; "" if its holograms are not in files.
   std::string command_line(const Query& query);
 

@@ -16,6 +16,7 @@
 #include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/files/text.h"
+#include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/viewing.h"
 #include "holotrace/slm/panel/show.h"
@@ -88,6 +89,33 @@ std::string Session::file(const ViewState& state, const std::string& extension) 
   const TemporaryFolder folder("holotrace_view");
   const std::string path = folder.path() + "/view" + extension;
   save_image(path, view.image, view.white, state.camera.bits);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string Session::film(const ViewState& state, Sweep sweep, double from, double to, const std::string& ending) {
+  const TemporaryFolder folder("holotrace_film");
+  const std::string path = folder.path() + "/view" + ending;
+  check_animation(path);
+  CameraParams camera = state.camera;
+  camera.sweep = sweep;
+  camera.sweep_from = from;
+  camera.sweep_to = to;
+  std::vector<Image> images;
+  double white = 0;
+  for (const Viewpoint& at : viewpoints(camera)) {
+    if (at.kind != ViewKind::sweep) continue;
+    ViewState still = state;
+    still.is_draft = false;
+    still.camera = at.camera;
+    still.camera.sweep = Sweep::none;
+    still.camera.distances = {at.distance};
+    const std::lock_guard lock(mutex_);  // of each view: others are answered between them
+    TakenView view = *take(still, {});
+    white = std::max(white, view.white);
+    images.push_back(std::move(view.image));
+  }
+  save_animation(path, images, white, camera.sweep_seconds);
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }

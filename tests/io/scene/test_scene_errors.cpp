@@ -82,7 +82,7 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
 
 TEST(SceneFileErrors, UnknownNamesAreRefused) {
   EXPECT_EQ(error_with("[slm]\npreset = \"plto\"\n"),
-            "3:10: unknown SLM \"plto\"; did you mean \"pluto\"? (known: gaea, ideal, leto, luna, pluto)");
+            "3:10: unknown SLM \"plto\"; did you mean \"pluto\"? \"holotrace info --slm\" lists all");
   EXPECT_EQ(error_with("[[object]]\ntype = \"shpere\"\n"),
             "3:8: unknown object type \"shpere\"; did you mean \"sphere\"?");
   EXPECT_EQ(error_with("[[light]]\ntype = \"sun\"\n"),

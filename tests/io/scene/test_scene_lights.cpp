@@ -148,6 +148,27 @@ TEST(SceneWavelengths, OneOrSeveralInTheOrderOfTheFile) {
   };
   EXPECT_EQ(wavelengths("\"532 nm\""), (std::vector<double>{532e-9}));
   EXPECT_EQ(wavelengths("[\"638 nm\", \"520 nm\", \"450 nm\"]"), (std::vector<double>{638e-9, 520e-9, 450e-9}));
+  EXPECT_EQ(wavelengths("\"HeNe\""), (std::vector<double>{632.8e-9}));
+  EXPECT_EQ(wavelengths("[\"he-ne\", \"DPSS 532\", \"450 nm\"]"), (std::vector<double>{632.8e-9, 532e-9, 450e-9}));
+  EXPECT_EQ(wavelengths("\"HeNe, DPSS 532, 450 nm\""), (std::vector<double>{632.8e-9, 532e-9, 450e-9}));
+}
+
+TEST(SceneWavelengths, LightsAreNamedOnlyWhereAWavelengthIsAskedFor) {
+  EXPECT_EQ(error_before_cube("wavelength = [\"DPSS 532\", \"HeNi\"]"),
+            "1:27: expected a length with its unit, such as \"532 nm\", or a known light (did you mean \"HeNe\"?), got "
+            "\"HeNi\" for \"wavelength\"");
+  EXPECT_EQ(error_before_cube("wavelength = [\"DPSS 532\", \"532 nm\"]"),
+            "1:14: expected each wavelength once, got 532 nm twice");
+  const Job job = load_job(make_file("scene.toml",
+                                     "wavelength = \"HeNe\"\n[slm]\ndesign_wavelength = \"HeNe\"\n[show]\n"
+                                     "wavelength = \"DPSS 532\"\n" +
+                                         cube));
+  EXPECT_EQ(job.slm.design_wavelength, 632.8e-9);
+  EXPECT_EQ(job.show.wavelength, 532e-9);
+  EXPECT_EQ(error_before_cube("[show]\nbandwidth = \"HeNe\""),
+            "2:13: expected a length with its unit, such as \"2 nm\", got \"HeNe\" for \"bandwidth\"");
+  EXPECT_EQ(error_before_cube("[slm]\npitch = \"HeNe\""),
+            "2:9: expected a length with its unit, such as \"8 um\", got \"HeNe\" for \"pitch\"");
 }
 
 TEST(SceneWavelengths, WrongListsArePlaced) {

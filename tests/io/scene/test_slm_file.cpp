@@ -69,10 +69,112 @@ TEST(SlmFile, ThePanelsThatComeWithItAreThere) {
   EXPECT_TRUE(effects_of(ideal).empty());
 }
 
-TEST(SlmFile, AnUnknownOneIsRefusedWithThoseKnown) {
+// What holds for every panel that is sold: its figures and where they are from. A pitch is 3 to 40 µm and a panel 5 to 40 mm wide:
+// smaller pixels and larger chips are not made. `lcos`, `dmd` and `ideal` stand for kinds of panels.
+TEST(SlmFile, EveryPanelHasASourceAndSaneFigures) {
+  int sold = 0;
+  for (const KnownPanel& panel : known_panels()) {
+    EXPECT_FALSE(panel.is_users) << panel.name;
+    const Slm slm = slm_preset(panel.name);
+    EXPECT_GE(slm.grid.pitch, 3e-6) << panel.name;
+    EXPECT_LE(slm.grid.pitch, 40e-6) << panel.name;
+    EXPECT_GE(slm.grid.width(), 5e-3) << panel.name;
+    EXPECT_LE(slm.grid.width(), 40e-3) << panel.name;
+    EXPECT_GE(slm.fill_factor, 0.5) << panel.name;
+    EXPECT_EQ(slm.levels & (slm.levels - 1), 0) << panel.name << ": levels are bits";
+    if (slm.source.starts_with("no ")) continue;
+    ++sold;
+    const char* makers[] = {"HOLOEYE",  "Meadowlark Optics", "Hamamatsu",        "Santec",
+                            "Thorlabs", "Jasper Display",    "Texas Instruments"};
+    EXPECT_TRUE(std::any_of(std::begin(makers), std::end(makers),
+                            [&](const char* maker) { return slm.source.starts_with(maker); }))
+        << panel.name << ": " << slm.source;
+    // What its maker does not state is said to be typical.
+    EXPECT_EQ(!effects_of(slm).empty() && !slm.source.starts_with("Texas"),
+              slm.source.find("effects typical") != std::string::npos)
+        << panel.name;
+  }
+  EXPECT_GE(sold, 20);
+}
+
+// The sides that makers state beside the pixels and their pitch, in mm, agree to the last digit that they state (of the 1920 x
+// 1152, to two units of it; of the EXULUS-HD2, which has a border, to a tenth). The diagonal of the PLMs is in their names.
+TEST(SlmFile, SidesAgreeWithThoseThatMakersState) {
+  const auto sides = [](const char* name) { return slm_preset(name).grid; };
+  const auto expect = [&](const char* name, double x, double y, double digit) {
+    EXPECT_NEAR(sides(name).width() * 1e3, x, digit) << name;
+    EXPECT_NEAR(sides(name).height() * 1e3, y, digit) << name;
+  };
+  expect("pluto", 15.36, 8.64, 0.005);
+  expect("meadowlark-1920x1152", 17.6, 10.7, 0.11);
+  expect("meadowlark-1024x1024", 17.4, 17.4, 0.05);
+  expect("meadowlark-512x512", 7.68, 7.68, 0.005);
+  expect("hamamatsu-x13138", 15.9, 12.8, 0.05);
+  expect("hamamatsu-x10468", 15.8, 12.0, 0.05);
+  expect("thorlabs-exulus-hd2", 15.42, 9.66, 0.08);
+  expect("ti-dlp7000", 14.0, 10.5, 0.05);
+  expect("ti-dlp9500", 20.7, 11.7, 0.05);
+  for (const auto& [name, inches] : {std::pair{"ti-plm47", 0.47}, std::pair{"ti-plm67", 0.67}})
+    EXPECT_NEAR(std::hypot(sides(name).width(), sides(name).height()) / 25.4e-3, inches, 0.005) << name;
+}
+
+// The effects of a kind of panel are in one file; each panel replaces what differs.
+TEST(SlmFile, PanelsTakeTheTypicalEffectsOfTheirKind) {
+  const Slm kind = slm_preset("lcos"), hamamatsu = slm_preset("hamamatsu-x13138"), santec = slm_preset("santec-slm200");
+  EXPECT_EQ(effects_of(hamamatsu), effects_of(kind));
+  EXPECT_EQ(hamamatsu.effects.aberration, kind.effects.aberration);
+  EXPECT_TRUE(hamamatsu.own_effects.empty());  // typical figures are off
+  // Crosstalk reaches over 1.6 µm: 0.2 pixels of 8 µm, 0.13 of 12.5 µm.
+  for (const Slm& slm : {kind, hamamatsu, santec})
+    EXPECT_NEAR(slm.effects.crosstalk * slm.grid.pitch, 1.6e-6, 0.01 * slm.grid.pitch) << slm.name;
+  EXPECT_EQ(santec.effects.calibration.size(), 1024u);  // the curve of 256 levels, interpolated
+  for (const char* name : {"dmd", "ti-dlp7000"}) {
+    EXPECT_EQ(slm_preset(name).modulation, Modulation::amplitude);
+    EXPECT_EQ(slm_preset(name).levels, 2);
+    EXPECT_TRUE(effects_of(slm_preset(name)).empty());
+  }
+}
+
+// ti-plm 1.1.0: the last displacement, 1, is 15/16 of a turn; the steps between are uneven, from 0.0126 to 0.1746 of it.
+TEST(SlmFile, ThePhaseLightModulatorsHaveUnevenLevels) {
+  const std::vector<CalibrationPoint> levels = slm_preset("ti-plm67").effects.calibration;
+  ASSERT_EQ(levels.size(), 16u);
+  EXPECT_EQ(levels, slm_preset("ti-plm47").effects.calibration);
+  const double turn = 2 * pi * 15 / 16;
+  EXPECT_EQ(levels[0].phase, 0);
+  EXPECT_NEAR(levels[1].phase, 0.0126 * turn, 1e-9);
+  EXPECT_NEAR(levels[15].phase - levels[14].phase, 0.1746 * turn, 1e-9);
+  EXPECT_NEAR(levels[15].phase, turn, 1e-9);
+}
+
+TEST(SlmFile, APanelInAFolderOfTheUsersWins) {
+  const std::string folder = fresh_folder("wins");
+  file_in(folder, "luna.toml", "preset = \"pluto\"\nsource = \"measured\"\nfill_factor = 0.8\n");
+  file_in(folder, "lcos.toml", "preset = \"pluto\"\ncrosstalk = 1\n");
+  const Slm before = slm_preset("luna"), pluto = slm_preset("pluto");
+  const UserPanels here(folder);
+  const Slm luna = slm_preset("luna");
+  EXPECT_EQ(luna.grid.pitch, 8e-6);
+  EXPECT_EQ(luna.fill_factor, 0.8);
+  EXPECT_EQ(luna.source, "measured");
+  EXPECT_EQ(before.grid.pitch, 4.5e-6);
+  EXPECT_EQ(slm_preset("pluto").effects.crosstalk,
+            pluto.effects.crosstalk);  // built-in panels keep their own lcos.toml
+  for (const KnownPanel& panel : known_panels()) {
+    EXPECT_EQ(panel.is_users, panel.name == "luna" || panel.name == "lcos") << panel.name;
+    EXPECT_EQ(panel.file.starts_with(folder + "/"), panel.is_users) << panel.file;
+  }
+}
+
+TEST(SlmFile, AnUnknownOneIsRefusedWithTheNearest) {
   EXPECT_EQ(error_of([] { slm_preset("plutto"); }),
-            "unknown SLM \"plutto\"; did you mean \"pluto\"? (known: gaea, ideal, leto, luna, pluto)");
-  EXPECT_EQ(error_of([] { slm_preset("xyzzyx"); }), "unknown SLM \"xyzzyx\"; known: gaea, ideal, leto, luna, pluto");
+            "unknown SLM \"plutto\"; did you mean \"pluto\"? \"holotrace info --slm\" lists all");
+  EXPECT_EQ(error_of([] { slm_preset("x13138"); }),
+            "unknown SLM \"x13138\"; did you mean \"hamamatsu-x13138\"? \"holotrace info --slm\" lists all");
+  EXPECT_EQ(error_of([] { slm_preset("xyzzyx"); }),
+            "unknown SLM \"xyzzyx\"; \"holotrace info --slm\" lists those that are known");
+  EXPECT_EQ(error_of([] { slm_preset("../panels/pluto"); }),
+            "unknown SLM \"../panels/pluto\"; \"holotrace info --slm\" lists those that are known");
 }
 
 TEST(SlmFile, AUserAddsPanelsAndChangesThem) {

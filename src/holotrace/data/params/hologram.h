@@ -34,7 +34,8 @@ void describe(Visitor&& v, HologramParams& p) {
   v(angle("range", p.range, range::not_negative,
           "phase range of the panel: phase that all levels together span, 360 deg for a full cycle; 0 deg: the panel's "
           "own value"));
-  v(length("wavelength", p.wavelength, range::not_negative, "wavelength of a file without metadata; 0 m: not known"));
+  v(wavelength("wavelength", p.wavelength, range::not_negative,
+               "wavelength of a file without metadata; 0 m: not known"));
   v(choice("channel", p.channel,
            {{"grey", Channel::grey}, {"red", Channel::red}, {"green", Channel::green}, {"blue", Channel::blue}},
            "channel with the hologram in a coloured picture without metadata"));

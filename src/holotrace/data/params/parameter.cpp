@@ -9,8 +9,8 @@ namespace holotrace {
 namespace {
 
 std::string value_text(double value, Quantity quantity) {
-  if (quantity == Quantity::length && std::isfinite(value)) return format_length(value);
-  if (quantity == Quantity::length) return fmt::format("{} m", value);
+  if (is_length(quantity) && std::isfinite(value)) return format_length(value);
+  if (is_length(quantity)) return fmt::format("{} m", value);
   if (quantity == Quantity::angle) return fmt::format("{:.6g} deg", value * 180 / pi);
   if (quantity == Quantity::count) return fmt::format("{:.0f}", value);
   return fmt::format("{}", value);
@@ -21,6 +21,7 @@ const char* noun(Quantity quantity) {
     case Quantity::count:
       return "a whole number";
     case Quantity::length:
+    case Quantity::wavelength:
       return "a length";
     case Quantity::angle:
       return "an angle";
@@ -70,7 +71,7 @@ std::string expected_text(const Range& range, Quantity quantity) {
 void check_range(double value, const Range& range, Quantity quantity, const std::string& about) {
   if (!range.has(value))
     fail("expected {}{}, got {}", expected_text(range, quantity), about, value_text(value, quantity));
-  const double most = quantity == Quantity::length   ? most_length
+  const double most = is_length(quantity)            ? most_length
                       : quantity == Quantity::number ? most_number
                                                      : std::numeric_limits<double>::infinity();
   if (std::abs(value) > most)

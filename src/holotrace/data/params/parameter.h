@@ -32,7 +32,10 @@ struct Range {
 inline constexpr double most_number = 1e18;
 
 /// What a parameter counts or measures; it decides how errors and help texts write the values.
-enum class Quantity { count, number, length, angle };
+enum class Quantity { count, number, length, wavelength, angle };
+
+/// Wavelengths are lengths for which names of lights may stand (data/named_light.h).
+constexpr bool is_length(Quantity quantity) { return quantity == Quantity::length || quantity == Quantity::wavelength; }
 
 /// Ranges by name; each is used as an argument in `describe`.
 namespace range {
@@ -112,6 +115,10 @@ inline Parameter<double> number(const char* name, double& value, const Range& ra
 /// In metres or, as texts, with a unit; so are all lengths.
 inline Parameter<double> length(const char* name, double& value, const Range& range, const std::string& help) {
   return {"length", name, value, help, range, Quantity::length};
+}
+/// A length for which the name of a light may stand.
+inline Parameter<double> wavelength(const char* name, double& value, const Range& range, const std::string& help) {
+  return {"wavelength", name, value, help, range, Quantity::wavelength};
 }
 /// In radians or, as a text, with a unit.
 inline Parameter<double> angle(const char* name, double& value, const Range& range, const std::string& help) {

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "holotrace/base/units.h"
+#include "holotrace/data/named_light.h"
 
 namespace holotrace {
 namespace {
@@ -25,15 +26,17 @@ void set_count(const Parameter<Integer>& parameter, const std::string& text) {
 
 }  // namespace
 
-double length_within(const std::string& text, const Range& range, const std::string& name) {
-  const double metres = parse_length(text, name);
-  check_range(metres, range, Quantity::length);
+double length_within(const std::string& text, const Range& range, const std::string& name, Quantity quantity) {
+  const double metres = quantity == Quantity::wavelength ? parse_wavelength(text, name) : parse_length(text, name);
+  check_range(metres, range, quantity);
   return metres;
 }
 
-std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name) {
-  std::vector<double> lengths = parse_lengths(text, name);
-  for (const double metres : lengths) check_range(metres, range, Quantity::length);
+std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name,
+                                   Quantity quantity) {
+  std::vector<double> lengths =
+      quantity == Quantity::wavelength ? parse_wavelengths(text, name) : parse_lengths(text, name);
+  for (const double metres : lengths) check_range(metres, range, quantity);
   return lengths;
 }
 
@@ -47,8 +50,8 @@ void set_from_text(const Parameter<int>& parameter, const std::string& text) { s
 void set_from_text(const Parameter<int64_t>& parameter, const std::string& text) { set_count(parameter, text); }
 
 void set_from_text(const Parameter<double>& parameter, const std::string& text) {
-  if (parameter.quantity == Quantity::length) {
-    parameter.value = length_within(text, parameter.range, parameter.name);
+  if (is_length(parameter.quantity)) {
+    parameter.value = length_within(text, parameter.range, parameter.name, parameter.quantity);
   } else if (parameter.quantity == Quantity::angle) {
     parameter.value = angle_within(text, parameter.range);
   } else {

@@ -23,9 +23,12 @@ auto read_flag(const std::string& flag, const Read& read) {
   }
 }
 
-/// A length [m], lengths [m] or an angle [rad] from a text, for the parameter of that name. @throws Error if it is invalid or outside the range
-double length_within(const std::string& text, const Range& range, const std::string& name);
-std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name);
+/// A length [m], lengths [m] or an angle [rad] from a text, for the parameter of that name. Names of lights are taken if
+/// the quantity is a wavelength. @throws Error if it is invalid or outside the range
+double length_within(const std::string& text, const Range& range, const std::string& name,
+                     Quantity quantity = Quantity::length);
+std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name,
+                                   Quantity quantity = Quantity::length);
 double angle_within(const std::string& text, const Range& range);
 
 /// Sets a parameter from a text. @throws Error for a text that is not a valid value

@@ -41,7 +41,8 @@ void describe(Visitor&& v, ShowParams& p) {
           "samples of the field per pixel and axis; 1 shows order 0 only, 3 the orders -1, 0, 1"));
   v(count("fine_samples", p.fine_samples, range::from_to(0, 64),
           "points per pixel and axis for crosstalk; 0: as many as it needs"));
-  v(length("wavelength", p.wavelength, range::not_negative, "wavelength of the illumination; 0 m: the hologram's own"));
+  v(wavelength("wavelength", p.wavelength, range::not_negative,
+               "wavelength of the illumination; 0 m: the hologram's own"));
   v(number("irradiance", p.irradiance, range::not_negative, "irradiance of the illumination on the axis in W/m2"));
   v(choice("light", p.light,
            {{"plane", Wavefront::plane}, {"spherical", Wavefront::spherical}, {"gaussian", Wavefront::gaussian}},

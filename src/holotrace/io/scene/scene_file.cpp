@@ -51,11 +51,8 @@ void check_path_expressions(TomlTable& root, const char* section, const std::vec
 
 std::vector<double> read_wavelengths(TomlTable& root) {
   if (!root.has("wavelength")) return {};  // the scene's colours say which
-  std::vector<double> wavelengths(1);
-  if (root.toml().get("wavelength")->is_array())
-    root.lengths("wavelength", wavelengths, range::positive);
-  else
-    root.length("wavelength", wavelengths.front(), range::positive);
+  std::vector<double> wavelengths;
+  root.lengths("wavelength", wavelengths, range::positive, Quantity::wavelength);
   for (const double wavelength : wavelengths)
     require(std::count(wavelengths.begin(), wavelengths.end(), wavelength) == 1,
             "{}expected each wavelength once, got {} twice", root.where("wavelength"), format_length(wavelength));

@@ -9,6 +9,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/named_light.h"
 #include "holotrace/io/files/text.h"
 #include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/toml_table.h"
@@ -43,7 +44,7 @@ RefractiveIndex from_list(TomlTable& table, const char* key, const toml::array& 
     if (!wavelength) table.fail_kind(key, expected, (*row)[0]);
     RefractiveIndex::Sample sample{0, 0, 0};
     try {
-      sample.wavelength = parse_length(*wavelength, "wavelength");
+      sample.wavelength = parse_wavelength(*wavelength);
     } catch (const Error& e) {
       fail("{}{} for \"{}\"", table.place((*row)[0].source()), e.what(), key);
     }

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <set>
+#include <map>
 #include <string_view>
 
 #include "holotrace/base/error.h"
@@ -151,21 +151,19 @@ std::vector<std::string> user_panel_folders() {
   return folders;
 }
 
-[[noreturn]] void fail_unknown(const std::string& name) {
-  const std::vector<std::string> known = slm_preset_names();
-  std::string sentence = unknown_name_message("SLM", name, known);
-  // If a similar name is suggested, the other names are listed, too.
-  if (!nearest_name(name, known).empty()) sentence += fmt::format(" (known: {})", fmt::join(known, ", "));
-  throw Error(sentence);
-}
-
-// The path of a panel's file, or "".
-std::string panel_file(const std::string& name) {
-  for (const std::string& folder : panel_folders()) {
-    const fs::path file = fs::path(folder) / (name + ".toml");
-    if (is_file(file)) return file.string();
-  }
-  return "";
+// The panel of that name. A type without its maker, "x13138", suggests the panel whose name ends with it.
+KnownPanel panel_named(const std::string& name) {
+  const std::vector<KnownPanel> known = known_panels();
+  const auto has_name = [&](const KnownPanel& panel) { return panel.name == name; };
+  const auto found = std::find_if(known.begin(), known.end(), has_name);
+  if (found != known.end()) return *found;
+  std::vector<std::string> names;
+  for (const KnownPanel& panel : known) names.push_back(panel.name);
+  const auto has_type = [&](const std::string& one) { return !name.empty() && one.ends_with("-" + name); };
+  const auto of_type = std::find_if(names.begin(), names.end(), has_type);
+  const std::string nearest = of_type != names.end() ? *of_type : nearest_name(name, names);
+  if (nearest.empty()) fail("unknown SLM \"{}\"; \"holotrace info --slm\" lists those that are known", name);
+  fail("unknown SLM \"{}\"; did you mean \"{}\"? \"holotrace info --slm\" lists all", name, nearest);
 }
 
 Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain);
@@ -176,16 +174,12 @@ Slm load_panel(const std::string& name, std::vector<std::string> chain) {
           "expected a panel that does not extend itself, got \"{}\"", name);
   chain.push_back(name);
   const bool is_file = extension_of(name) == ".toml";
-  const bool is_plain = !name.empty() && name.find('/') == std::string::npos;
-  const std::string path = is_file ? name : is_plain ? panel_file(name) : "";
-  if (path.empty()) fail_unknown(name);
-  const toml::table parsed = parse_toml(path, "a panel file");
-  Slm slm = read_over(TomlTable(parsed, {path}, "the panel"), "", chain);
+  const KnownPanel panel = is_file ? KnownPanel{name, name, true} : panel_named(name);
+  const toml::table parsed = parse_toml(panel.file, "a panel file");
+  Slm slm = read_over(TomlTable(parsed, {panel.file}, "the panel"), "", chain);
   if (!parsed.contains("name")) slm.name = is_file ? fs::path(name).stem().string() : name;
   slm.preset = name;
-  const std::vector<std::string> of_user = user_panel_folders();
-  const auto has_it = [&](const std::string& folder) { return fs::path(folder) / (name + ".toml") == path; };
-  if (!is_file && std::none_of(of_user.begin(), of_user.end(), has_it)) slm.own_effects.clear();
+  if (!panel.is_users) slm.own_effects.clear();
   return slm;
 }
 
@@ -225,7 +219,7 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   if (table.has("fill_x") || table.has("fill_y")) slm.fill_factor = slm.fill_x * slm.fill_y;
   table.choice("modulation", slm.modulation,
                {{"phase", Modulation::phase}, {"amplitude", Modulation::amplitude}, {"complex", Modulation::complex}});
-  table.length("design_wavelength", slm.design_wavelength, range::not_negative);
+  table.length("design_wavelength", slm.design_wavelength, range::not_negative, Quantity::wavelength);
   table.angle("phase_range", slm.phase_range, range::positive);
   if (!(slm.grid == standard.grid)) slm.name = "custom";
   table.text("name", slm.name);
@@ -259,14 +253,27 @@ std::vector<std::string> panel_folders() {
   return folders;
 }
 
-std::vector<std::string> slm_preset_names() {
-  std::set<std::string> names;
+std::vector<KnownPanel> known_panels() {
+  const std::vector<std::string> of_user = user_panel_folders();
+  std::map<std::string, KnownPanel> panels;  // in alphabetical order; the first file of a name stays
   for (const std::string& folder : panel_folders()) {
+    const bool is_users = std::find(of_user.begin(), of_user.end(), folder) != of_user.end();
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-      if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+      const std::string name = entry.path().stem().string();
+      if (entry.path().extension() == ".toml" && is_file(entry.path()))
+        panels.try_emplace(name, KnownPanel{name, entry.path().string(), is_users});
+    }
   }
-  return {names.begin(), names.end()};
+  std::vector<KnownPanel> list;
+  for (const auto& [name, panel] : panels) list.push_back(panel);
+  return list;
+}
+
+std::vector<std::string> slm_preset_names() {
+  std::vector<std::string> names;
+  for (const KnownPanel& panel : known_panels()) names.push_back(panel.name);
+  return names;
 }
 
 Slm slm_preset(const std::string& name) { return load_panel(name, {}); }

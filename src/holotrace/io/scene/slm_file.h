@@ -14,7 +14,16 @@ namespace holotrace {
 /// installed; and the source tree that it was built from. Missing folders are left out.
 std::vector<std::string> panel_folders();
 
-/// The names that slm_preset knows, in alphabetical order: one for each file NAME.toml in those folders.
+/// A panel that is known by name: a file NAME.toml in one of those folders.
+struct KnownPanel {
+  std::string name, file;
+  bool is_users = false;  ///< the file is in a folder of the user's
+};
+
+/// The panels that slm_preset knows, in alphabetical order. The first of those folders that has a name wins.
+std::vector<KnownPanel> known_panels();
+
+/// Their names.
 std::vector<std::string> slm_preset_names();
 
 /// Reads a panel by name, from the first folder that has NAME.toml, a file with the keys of a scene's [slm] table. Its

@@ -15,6 +15,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/parameter_texts.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
 #include "holotrace/data/params/show.h"
@@ -264,11 +265,11 @@ std::string TomlTable::length_text(const char* key, const toml::node& node) cons
   return *text;
 }
 
-std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& node) const {
+std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& node, Quantity quantity) const {
   std::vector<double> values;
   const auto append = [&](const toml::node& item) {
     try {
-      const std::vector<double> some = parse_lengths(length_text(key, item), key);
+      const std::vector<double> some = lengths_within(length_text(key, item), range::any, key, quantity);
       values.insert(values.end(), some.begin(), some.end());
     } catch (const Error& e) {
       if (is_placed(e)) throw;
@@ -282,30 +283,30 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
   return values;
 }
 
-void TomlTable::length(const char* key, double& value, const Range& range) {
+void TomlTable::length(const char* key, double& value, const Range& range, Quantity quantity) {
   const toml::node* node = find(key);
   if (!node) return;
   const std::string text = length_text(key, *node);
   double metres = 0;
   try {
-    metres = parse_length(text, key);
+    metres = length_within(text, range::any, key, quantity);
   } catch (const Error& e) {
     fail("{}{} for \"{}\"", where(key), e.what(), key);
   }
-  check(key, *node, metres, range, Quantity::length);
+  check(key, *node, metres, range, quantity);
   value = metres;
 }
 
-void TomlTable::lengths(const char* key, std::vector<double>& value, const Range& range) {
+void TomlTable::lengths(const char* key, std::vector<double>& value, const Range& range, Quantity quantity) {
   const toml::node* node = find(key);
   if (!node) return;
-  value = read_lengths(key, *node);
+  value = read_lengths(key, *node, quantity);
   require(!value.empty(), "{}expected one length or more for \"{}\", got none", where(key), key);
-  for (const double one : value) check(key, *node, one, range, Quantity::length);
+  for (const double one : value) check(key, *node, one, range, quantity);
 }
 
 void TomlTable::operator()(const Parameter<double>& p) {
-  if (p.quantity == Quantity::length) return length(p.name, p.value, p.range);
+  if (is_length(p.quantity)) return length(p.name, p.value, p.range, p.quantity);
   if (p.quantity == Quantity::angle) return angle(p.name, p.value, p.range);
   number(p.name, p.value, p.range);
 }

@@ -86,14 +86,16 @@ class TomlTable {
     if (!name.empty()) locate(p.name, [&] { p.value = value_named(name, p); });
   }
 
-  void count(const char* key, int& value, const Range& range);                    ///< a whole number
-  void count(const char* key, int64_t& value, const Range& range);                ///< a whole number
-  void number(const char* key, double& value, const Range& range);                ///< a finite number
-  void flag(const char* key, bool& value);                                        ///< true or false
-  void text(const char* key, std::string& value);                                 ///< a text that is not empty
-  void length(const char* key, double& value, const Range& range);                ///< "8 um"
-  void lengths(const char* key, std::vector<double>& value, const Range& range);  ///< "1 2 mm", a list
-  void angle(const char* key, double& value, const Range& range);                 ///< "15 deg"
+  void count(const char* key, int& value, const Range& range);      ///< a whole number
+  void count(const char* key, int64_t& value, const Range& range);  ///< a whole number
+  void number(const char* key, double& value, const Range& range);  ///< a finite number
+  void flag(const char* key, bool& value);                          ///< true or false
+  void text(const char* key, std::string& value);                   ///< a text that is not empty
+  /// "8 um"; a wavelength: or "HeNe"
+  void length(const char* key, double& value, const Range& range, Quantity quantity = Quantity::length);
+  /// "1 2 mm", a list; wavelengths: or "HeNe, DPSS 532"
+  void lengths(const char* key, std::vector<double>& value, const Range& range, Quantity quantity = Quantity::length);
+  void angle(const char* key, double& value, const Range& range);  ///< "15 deg"
 
   /// One of the names of an enumeration.
   template <class Enum>
@@ -136,7 +138,7 @@ class TomlTable {
   void check(const char* key, const toml::node& node, double value, const Range& range, Quantity quantity) const;
   std::string length_text(const char* key, const toml::node& node) const;
   std::optional<std::string> text_with_unit(const toml::node& node, const char* unit) const;
-  std::vector<double> read_lengths(const char* key, const toml::node& node) const;
+  std::vector<double> read_lengths(const char* key, const toml::node& node, Quantity quantity = Quantity::length) const;
   Vec3 read_vector(const char* key, const toml::node& node) const;
 
   const toml::table* table_;

@@ -173,18 +173,23 @@ export async function showCommand() {
   $('command').textContent = command || 'This view is not of holograms in files, so holotrace show cannot make it.';
   $('copy').hidden = !command;
   for (const ending of ['png', 'exr']) $(ending).href = `view.${ending}?${query()}`;
-  showFilms();
 }
 // A film goes where Play goes, with the present settings.
-function showFilms() {
+async function takeFilm(ending) {
   const kind = $('film-of').value, { from, to, values } = playRange(kind);
-  const more = { sweep: kind, 'sweep-from': `${from} mm`, 'sweep-to': `${to} mm` };
-  const kept = Object.assign({}, state);
-  Object.assign(state, values);  // parallax needs an eye
-  for (const ending of ['gif', 'webp', 'mp4']) $(ending).href = `film.${ending}?${query(more)}`;
-  Object.assign(state, kept);
+  if (Object.keys(values).length > 0) change(values);
+  const asked = query({ sweep: kind, 'sweep-from': `${Math.max(kind === 'focus' ? 0 : -Infinity, from)} mm`, 'sweep-to': `${to} mm` });
+  $('film-text').textContent = `Making the film ${kind}.${ending} …`;
+  try {
+    const film = URL.createObjectURL(new Blob([await api.bytes(`film.${ending}?${asked}`)]));
+    element('a', '', { href: film, download: `${kind}.${ending}` }).click();
+    setTimeout(() => URL.revokeObjectURL(film), 60000);
+    $('film-text').textContent = `The film ${kind}.${ending} is among your downloads.`;
+  } catch (error) {
+    $('film-text').textContent = error.message;
+  }
 }
-$('film-of').addEventListener('change', showFilms);
+for (const ending of ['gif', 'webp', 'mp4']) $(ending).addEventListener('click', () => takeFilm(ending));
 $('copy').addEventListener('click', async () => {
   await navigator.clipboard?.writeText($('command').textContent).then(() => { $('status').textContent = 'copied'; }, () => {});
 });
