@@ -261,6 +261,69 @@ class Page(unittest.TestCase):
             .move_by_offset(-15, 0).release().perform())
         self.assertLess(float(self.get("eye-x").get_attribute("value")), before)
 
+    def test_looks_as_an_eye_does(self):
+        frame = self.get("frame")
+        ActionChains(self.browser).drag_and_drop_by_offset(frame, 40, 0).perform()
+        self.assertIn("there is no eye to move", self.get("readout").text)
+        self.change(self.get("preset-eye").click)
+        self.assertEqual([float(self.get(name).get_attribute("value")) for name in ("pupil", "eye-x", "eye-z")], [3, 0, 250])
+        self.assert_view_is_that_of_show()
+        self.change(self.get("preset-all").click)
+        self.assertEqual(float(self.get("pupil").get_attribute("value")), 0)
+
+    def test_dims_figures_of_an_earlier_view(self):
+        is_old = "return document.getElementById('quality').classList.contains('old')"
+        self.assertFalse(self.script(is_old))
+        field = self.get("distance-number")
+        self.assertTrue(self.script("arguments[0].value = '55'; arguments[0].dispatchEvent(new Event('input'));" + is_old, field))
+        wait_until(lambda: not self.script(is_old), what="new figures")
+        self.settle()
+
+    def test_plays_focus_and_parallax(self):
+        def places(kind, identity):
+            """Places that are passed while it plays: several, and none after it was stopped."""
+            value = lambda: self.get(identity).get_attribute("value")
+            self.get("play-" + kind).click()
+            seen = set()
+            wait_until(lambda: seen.add(value()) or len(seen) > 5, what=f"play {kind}")
+            self.assertEqual(self.get("play-" + kind).get_attribute("aria-pressed"), "true")
+            return sorted(map(float, seen))
+        focus = places("focus", "distance-number")
+        low, high = (float(self.get("distance").get_attribute(name)) for name in ("min", "max"))
+        self.assertTrue(low <= focus[0] < focus[-1] <= high, focus)
+        self.get("play-focus").click()  # again: stop
+        self.settle()
+        rest = self.distance()
+        time.sleep(0.5)
+        self.assertEqual(self.distance(), rest)
+        self.assert_view_is_that_of_show()
+        eye = places("parallax", "eye-x")  # gets an eye
+        self.assertEqual(float(self.get("eye-z").get_attribute("value")), 250)
+        self.assertLess(eye[0], eye[-1])
+        ActionChains(self.browser).send_keys(Keys.ESCAPE).perform()  # any key stops it
+        self.assertEqual(self.get("play-parallax").get_attribute("aria-pressed"), "false")
+        self.settle()
+
+    def test_saves_films(self):
+        """Those of `holotrace show --sweep`, with its bytes."""
+        self.browser.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": self.folder})
+        low, high = (self.get("distance").get_attribute(name) for name in ("min", "max"))
+        command = shlex.split(self.get("command").text)
+        for ending in ("gif", "webp"):
+            self.get(ending).click()
+            path = os.path.join(self.folder, f"focus.{ending}")
+            wait_until(lambda: os.path.exists(path), what=f"the {ending}")
+            shown = os.path.join(self.folder, f"show.{ending}")
+            subprocess.run([PROGRAM, "-q"] + command[1:-1] + [shown, "--sweep", "focus", "--sweep-from",
+                           f"{max(0, float(low))} mm", "--sweep-to", f"{high} mm"], check=True)
+            with open(path, "rb") as film, open(shown, "rb") as expected:
+                self.assertEqual(film.read(), expected.read())
+            self.assertEqual(Image.open(path).n_frames, 46)  # 24 there, and 22 back
+            os.remove(path)
+        if not shutil.which("ffmpeg"):
+            self.get("mp4").click()
+            wait_until(lambda: "ffmpeg" in self.get("film-text").text, what="what is missing")
+
     def test_switches_orders(self):
         orders = self.get("orders")
         self.change(orders.click)
