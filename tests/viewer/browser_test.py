@@ -318,7 +318,8 @@ class Page(unittest.TestCase):
                            f"{max(0, float(low))} mm", "--sweep-to", f"{high} mm"], check=True)
             with open(path, "rb") as film, open(shown, "rb") as expected:
                 self.assertEqual(film.read(), expected.read())
-            self.assertEqual(Image.open(path).n_frames, 46)  # 24 there, and 22 back
+            with Image.open(path) as made:
+                self.assertEqual(made.n_frames, 46)  # 24 there, and 22 back
             os.remove(path)
         if not shutil.which("ffmpeg"):
             self.get("mp4").click()

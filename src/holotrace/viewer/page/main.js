@@ -120,8 +120,9 @@ function play(kind) {
 }
 
 for (const kind of ['focus', 'parallax']) $(`play-${kind}`).addEventListener('click', () => play(kind));
+const presses = event => event.target.closest?.('[id^="play-"]') && (event.type !== 'keydown' || ['Enter', ' '].includes(event.key));
 for (const what of ['pointerdown', 'wheel', 'keydown'])
-  addEventListener(what, event => { if (!event.target.closest?.('[id^="play-"]')) stop(); }, { capture: true, passive: true });
+  addEventListener(what, event => { if (!presses(event)) stop(); }, { capture: true, passive: true });
 
 function setRange() {
   const range = $('distance');

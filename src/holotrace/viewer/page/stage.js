@@ -139,7 +139,7 @@ function readOut(event) {
   const asked = lookingAt;
   readTimer = setTimeout(async () => {
     const got = await api.json(`values?${asked}&column=${pixel[0]}&row=${pixel[1]}&columns=1&rows=1`).catch(() => null);
-    if (got && asked === lookingAt)
+    if (got && asked === lookingAt && !press)
       $('readout').textContent = `${place}: ${got.rows[0].map(v => v.toPrecision(3)).join(', ')} W/m²`;
   }, 250);
 }
@@ -218,6 +218,7 @@ frame.addEventListener('pointermove', event => {
     top = press.top + dy;
     layOut();
   } else if (state.pupil === 0) {
+    clearTimeout(readTimer);
     $('readout').textContent = 'A pupil of 0 takes all light, so there is no eye to move: press Eye, or set a pupil.';
   }
 });

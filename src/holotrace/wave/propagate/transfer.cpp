@@ -107,6 +107,10 @@ int place(const Propagator<Real>& p, int k) {
   return bin % p.y.parts * p.y.part_length() + bin / p.y.parts;
 }
 
+}  // namespace
+
+namespace transfer {  // a name, because lambdas of the templates below hold it
+
 /// The table of a propagator, a row for each slot of x.
 template <class Real>
 class Table {
@@ -130,6 +134,10 @@ class Table {
   Array2D<std::complex<Real>>& values_;
   std::vector<int> places_;
 };
+
+}  // namespace transfer
+
+namespace {
 
 template <class Real>
 int frequency_of_slot(const Propagator<Real>& p, int slot) {
@@ -220,7 +228,7 @@ void fill_angular_spectrum(Propagator<Real>& p) {
   std::vector<double> v, v2;
   for (int j = least; j <= most; ++j) v.push_back(j * dv);
   for (const double of_v : v) v2.push_back(of_v * of_v);
-  const Table<Real> table(p);
+  const transfer::Table<Real> table(p);
   const std::vector<int>& places = table.places();
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     const int i = frequency_of_slot(p, int(slot));
@@ -244,7 +252,7 @@ void fill_rayleigh_sommerfeld(Propagator<Real>& p) {
   const int nx = p.is_on_lattice() ? p.x.padded : p.x.kernel_samples;
   const int ny = p.is_on_lattice() ? p.y.padded : p.y.kernel_samples;
   const double scale = p.input.pitch * p.input.pitch * (double(p.x.padded) / nx) * (double(p.y.padded) / ny);
-  const Table<Real> table(p);
+  const transfer::Table<Real> table(p);
   transform_kernel<Real>(
       p.x, p.y,
       [&](double y, const double* x, size_t count, ComplexDouble* line) {
@@ -264,7 +272,7 @@ template <class Real>
 void fill_fresnel(Propagator<Real>& p) {
   const std::vector<ComplexDouble> along_x = fresnel_axis(p.x), along_y = fresnel_axis(p.y);
   const ComplexDouble axial = cis_cycles(cycle_fraction(p.distance, p.wavelength));
-  const Table<Real> table(p);
+  const transfer::Table<Real> table(p);
   parallel_for(0, p.x.slots(), [&](int64_t slot) {
     // On an even axis frequency −slot is always in use; +slot is not, if it is the middle of the spectrum.
     const int i = p.x.is_even ? -int(slot) : p.x.first + int(slot);
