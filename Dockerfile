@@ -17,9 +17,9 @@ RUN cmake --preset release -DHOLOTRACE_MPI=OFF -DHOLOTRACE_DISPLAY=OFF -DHOLOTRA
 # The packages of the libraries that the program loads, libtiff and the loader of OpenCL at run time.
 RUN ldd /usr/local/bin/holotrace | awk '/=> \// {print "*/" $1}' | xargs dpkg -S | cut -d: -f1 | sort -u >/packages && \
     echo libtiff6 ocl-icd-libopencl1 >>/packages
-# Open Image Denoise, its part for processors.
-RUN mkdir /oidn && cd build/python/lib/python3*/site-packages/pyoidn/oidn/lib && \
-    cp libOpenImageDenoise.so.2 libOpenImageDenoise_core.so.2* libOpenImageDenoise_device_cpu.so.2* libtbb.so.12 /oidn
+# Open Image Denoise, its part for processors. It finds that in a folder called lib.
+RUN mkdir -p /oidn/lib && cd build/python/lib/python3*/site-packages/pyoidn/oidn/lib && \
+    cp libOpenImageDenoise.so.2 libOpenImageDenoise_core.so.2* libOpenImageDenoise_device_cpu.so.2* /oidn/lib
 
 FROM debian:12-slim
 COPY --from=build /packages /packages
@@ -27,7 +27,7 @@ RUN apt-get update -qq && xargs apt-get install -y -qq --no-install-recommends <
 COPY --from=build /usr/local/bin/holotrace /usr/local/bin/holotrace
 COPY --from=build /usr/local/share/holotrace /usr/local/share/holotrace
 COPY --from=build /oidn /usr/local/lib/oidn
-ENV HOLOTRACE_OIDN=/usr/local/lib/oidn
+ENV HOLOTRACE_OIDN=/usr/local/lib/oidn/lib
 RUN useradd --create-home holotrace
 USER holotrace
 WORKDIR /work
