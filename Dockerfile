@@ -18,8 +18,8 @@ RUN cmake --preset release -DHOLOTRACE_MPI=OFF -DHOLOTRACE_DISPLAY=OFF -DHOLOTRA
 RUN ldd /usr/local/bin/holotrace | awk '/=> \// {print "*/" $1}' | xargs dpkg -S | cut -d: -f1 | sort -u >/packages && \
     echo libtiff6 ocl-icd-libopencl1 >>/packages
 # Open Image Denoise, its part for processors. It finds that in a folder called lib.
-RUN mkdir -p /oidn/lib && cd build/python/lib/python3*/site-packages/pyoidn/oidn/lib && \
-    cp libOpenImageDenoise.so.2 libOpenImageDenoise_core.so.2* libOpenImageDenoise_device_cpu.so.2* /oidn/lib
+RUN mkdir -p /oidn/lib && \
+    cp build/python/lib/python3*/site-packages/pyoidn/oidn/lib/libOpenImageDenoise{,_core,_device_cpu}.so.2* /oidn/lib
 
 FROM debian:12-slim
 COPY --from=build /packages /packages
