@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "end_to_end/scenes.h"
 #include "holotrace/io/picture/image_file.h"
+#include "support/build_paths.h"
 #include "support/denoiser.h"
 #include "support/program.h"
 
@@ -48,6 +51,24 @@ TEST(DenoisedPictures, ArePngFilesAndRadianceIfAllIsAskedFor) {
   expect_success(work, {"render", "scene.toml", "-o", "plain.exr"});
   expect_success(work, {"render", "scene.toml", "-o", "none.exr", "--denoise", "none"});
   EXPECT_EQ(work.read("plain.exr"), work.read("none.exr")) << "auto is the default";
+}
+
+// The program of a wheel lies in site-packages/holotrace.scripts. There it finds the package pyoidn beside it: here a fake,
+// which fails with a sentence of its own.
+TEST(DenoisedPictures, OfAWheelAreDenoisedByThePackageBesideIt) {
+  const Workplace work;
+  write_scene(work);
+  const auto put = [&](const char* file, const std::string& name) {
+    std::filesystem::create_directories(std::filesystem::path(work.path(name)).parent_path());
+    std::filesystem::copy_file(file, work.path(name));
+  };
+  put(HOLOTRACE_PROGRAM, "holotrace.scripts/holotrace");
+  put(HOLOTRACE_FAKE_OIDN, "pyoidn/oidn/lib/libOpenImageDenoise.so.2");
+  const Environment anywhere("HOLOTRACE_OIDN", "");
+  const Environment of("FAKE_OIDN_VERSION", "20399");
+  const Outcome outcome = work.run_under({"sh", "-c", "shift; exec holotrace.scripts/holotrace \"$@\"", "sh"},
+                                         {"render", "scene.toml", "-o", "a.png"});
+  EXPECT_NE(outcome.err.find("the filter is a fake"), std::string::npos) << outcome.err;
 }
 
 TEST(DenoisedPictures, WithoutTheLibraryAreMadeAsTheyAreAndOneSentenceSaysSo) {

@@ -42,14 +42,13 @@ NamedFolder& named_folder() {
   return folder;
 }
 
-// Libraries of the package pyoidn in a virtual environment.
-std::vector<std::string> libraries_in_environment(const fs::path& environment) {
-  std::vector<std::string> files;
+// Places of the library of the package pyoidn in a virtual environment, or in a folder of packages.
+std::vector<std::string> libraries_in(const fs::path& folder) {
+  const fs::path library = fs::path("pyoidn") / "oidn" / "lib" / library_name;
+  std::vector<std::string> files{(folder / library).string()};
   std::error_code error;
-  for (fs::directory_iterator i(environment / "lib", error), end; !error && i != end; i.increment(error)) {
-    const fs::path file = i->path() / "site-packages" / "pyoidn" / "oidn" / "lib" / library_name;
-    if (fs::exists(file, error)) files.push_back(file.string());
-  }
+  for (fs::directory_iterator i(folder / "lib", error), end; !error && i != end; i.increment(error))
+    files.push_back((i->path() / "site-packages" / library).string());
   return files;
 }
 
@@ -59,10 +58,11 @@ std::vector<std::string> places_of_library() {
     places.push_back((fs::path(folder) / library_name).string());
   places.emplace_back(library_name);  // where the system's loader finds it
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);  // bin/holotrace of an environment
-  for (const fs::path& environment : {program.parent_path().parent_path(), fs::path(HOLOTRACE_PYTHON_ENVIRONMENT)})
-    if (!environment.empty())
-      for (std::string& file : libraries_in_environment(environment)) places.push_back(std::move(file));
+  // bin/holotrace of an environment, or a wheel's holotrace.scripts/holotrace in a folder of packages
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (const fs::path& folder : {program.parent_path().parent_path(), fs::path(HOLOTRACE_PYTHON_ENVIRONMENT)})
+    if (!folder.empty())
+      for (std::string& file : libraries_in(folder)) places.push_back(std::move(file));
   return places;
 }
 
