@@ -38,8 +38,9 @@ def array_of(values: Any, what: str) -> np.ndarray[Any, Any]:
     try:
         return _on_host(values) if is_array(values) else np.asarray(values)
     except (TypeError, ValueError, RuntimeError, BufferError) as error:  # rows of different lengths, a device without a copy, ...
-        why = str(error) or type(error).__name__
-        raise _core.Error(f"expected an array for {what}: {why.splitlines()[0]}") from None
+        why = (str(error) or type(error).__name__).splitlines()[0]
+        hint = "; give its values as an array of NumPy" if is_array(values) else ""
+        raise _core.Error(f"expected an array for {what}: {why}{hint}") from None
 
 
 def rows_and_columns(values: Any, what: str) -> np.ndarray[Any, Any]:
