@@ -1,8 +1,6 @@
 // holotrace show: computes the image of holograms on a virtual SLM and in a camera.
 
 #include <algorithm>
-#include <filesystem>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -57,32 +55,6 @@ PanelHologram load_input(const Input& input, const std::string& slm, const Flags
       "expected several wavelengths only for files without metadata, but {} was made for {}; give one --wavelength, or none",
       input.path, format_length(loaded.hologram.wavelength));
   return loaded;
-}
-
-// Checks that holograms that were written together, as far as their names say so, are of one call: more frames of an
-// earlier call may lie beside them.
-void check_series(const std::vector<Input>& inputs) {
-  namespace fs = std::filesystem;
-  struct First {
-    std::string path;
-    SeriesPart part;
-  };
-  std::map<std::string, First> series;
-  for (const auto& [path, channel] : inputs) {
-    const SeriesPart part = series_part(path);
-    const fs::path p(path);
-    std::string stem = p.stem().string();  // of the first of the series
-    const std::string ending = part.number == 1 ? "" : fmt::format("_{}", part.number);
-    if (!stem.ends_with(ending)) continue;  // it was renamed
-    stem.resize(stem.size() - ending.size());
-    const auto [found, is_new] = series.try_emplace((p.parent_path() / stem).string(), First{path, part});
-    const First& first = found->second;
-    require(
-        is_new || first.part.count == part.count,
-        "expected holograms of one series, but {} is number {} of a series of {}, and {} is number {} of a series of "
-        "{}; leave out the files of the earlier run",
-        first.path, first.part.number, first.part.count, path, part.number, part.count);
-  }
 }
 
 // Notes the files beside the output: further distances, and the sweep.
@@ -171,7 +143,9 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
       std::erase_if(from, [](const Viewpoint& view) { return view.kind != ViewKind::sweep; });
 
     note_outputs(o->output, from, camera.sweep_format);
-    check_series(inputs);
+    std::vector<std::string> paths;
+    for (const Input& input : inputs) paths.push_back(input.path);
+    check_series(paths);
 
     Console console(global.is_quiet);
     Report report;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -96,6 +97,13 @@ void stop_on_interrupt() {
   sigaction(SIGHUP, &action, nullptr);
 }
 
+// Whether standard input is at its end. A pipe is when the process that holds its other side has ended, however that was.
+bool has_input_ended() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  char rest[256];
+  return poll(&input, 1, 0) > 0 && read(STDIN_FILENO, rest, sizeof rest) <= 0;
+}
+
 // Seconds from a time with its unit: "30 min", "10 s", "2 h".
 double parse_idle(const std::string& text) {
   double number = 0;
@@ -119,7 +127,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::vector<std::string> paths;
     std::string slm, address = "127.0.0.1", idle = "30 min";
     int port = 0;
-    bool has_no_browser = false;
+    bool has_no_browser = false, is_embedded = false;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -132,6 +140,10 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
   add_slm(*command, o->slm, "the hologram's, or pluto");
   command->add_option("--port", o->port, "port of the server; 0: one that is free [0]")->type_name("N");
   command->add_flag("--no-browser", o->has_no_browser, "only print the address of the page, open no browser");
+  command->add_flag(
+      "--embed", o->is_embedded,
+      "allow pages of this machine, such as notebooks, to show the page in a frame; end the server when standard "
+      "input ends, as it does with the program that started it");
   command
       ->add_option("--address", o->address,
                    "address in digits on which the server listens; one that other machines reach lets everybody who "
@@ -155,7 +167,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     Listener listener(params, [&](const HttpRequest& request) {
       return is_ready ? (*answers)(request) : HttpAnswer{503, "text/plain; charset=utf-8", "not yet ready\n"};
     });
-    const Access access{make_token(), address, listener.port()};
+    const Access access{make_token(), address, listener.port(), o->is_embedded};
     answers = std::make_unique<Answers>(session, access);
     is_ready = true;
     if (!is_loopback(address))
@@ -171,7 +183,9 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
     // Each picture needs arrays of the same sizes as the last one: memory that is kept is ready, new memory must be cleared.
     keep_freed_memory(std::max(most_kept_memory(), size_t(256) << 20));
-    listener.run([&] { return is_stopped != 0 || answers->idle_seconds() > idle_seconds; });
+    listener.run([&] {
+      return is_stopped != 0 || answers->idle_seconds() > idle_seconds || (o->is_embedded && has_input_ended());
+    });
     link.reset();
     std::_Exit(0);  // at once: nobody waits for the pictures that are being computed
   });

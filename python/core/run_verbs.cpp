@@ -17,11 +17,8 @@ std::string json_of(const Report& report) { return report_json(report).dump(); }
 
 namespace {
 
-nb::dict run_job(const Job& given, Watch& watch) {
-  const Job job = choose_missing(given);
-  RunResults found = watch.run("run", [&](const Observer&) {
-    return run(job, [&](const std::string& stage) { return watch.observer(stage); });
-  });
+// The results but for the report; they are moved.
+nb::dict dict_of(RunResults& found) {
   nb::dict results;
   nb::list fields;
   for (std::vector<Field>& group : found.fields) fields.append(moved(group));
@@ -38,10 +35,24 @@ nb::dict run_job(const Job& given, Watch& watch) {
   results["stereo_renders"] = moved(found.stereo_renders);
   results["stereo_views"] = moved(found.stereo_views.images);
   results["stereo_white"] = found.stereo_views.white;
+  return results;
+}
+
+nb::dict run_job(const Job& given, Watch& watch) {
+  const Job job = choose_missing(given);
+  RunResults found = watch.run("run", [&](const Observer&) {
+    return run(job, [&](const std::string& stage) { return watch.observer(stage); });
+  });
+  nb::dict results = dict_of(found);
   results["report"] = json_of(found.report);
   results["record"] =
       nb::cast(RunRecord{job, std::move(found.report), std::move(found.points), std::move(found.radiances)});
   return results;
+}
+
+nb::dict load(const std::string& folder, Watch& watch) {
+  RunResults found = watch.run("load", [&](const Observer&) { return load_run(folder); });
+  return dict_of(found);
 }
 
 RunResults results_of(const nb::dict& made, const RunRecord& record) {
@@ -82,6 +93,9 @@ void bind_run_verbs(nb::module_& module) {
   nb::class_<RunRecord> record(module, "RunRecord");
   bind_bytes<RunRecord>(record);
   module.def("run", &run_job);
+  module.def("load_run", &load);
+  module.def("holograms_of_run", [](const std::string& folder) { return list_complete_run(folder).holograms; });
+  module.def("check_series", &check_series);
   module.def("save_run", &save);
 }
 

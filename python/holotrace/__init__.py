@@ -9,9 +9,10 @@ Lengths are metres, or texts with a unit; wavelengths also names of lights. Arra
 program reports, in the same words.
 """
 
+from . import widgets
 from ._core import Error, __version__
 from ._denoise import denoise
-from ._encode import Run, encode, encode_all, run, save_panel_images
+from ._encode import Run, encode, encode_all, load_run, run, save_panel_images
 from ._fields import Field, Sources, load_field, load_fields, load_sources, save_fields
 from ._figures import (
     CalibrationPlan,
@@ -67,6 +68,7 @@ __all__ = [
     "load_focal_stack",
     "load_hologram",
     "load_image",
+    "load_run",
     "load_scene",
     "load_sources",
     "propagate",
@@ -81,4 +83,5 @@ __all__ = [
     "synthesize",
     "trace",
     "view",
+    "widgets",
 ]

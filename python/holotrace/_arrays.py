@@ -9,14 +9,38 @@ import numpy as np
 from . import _core
 
 
+#: DLPack's kinds of memory that the processor reads: its own, pinned, and managed.
+_ON_HOST = (1, 3, 11, 13)
+
+
+def is_array(values: Any) -> bool:
+    """Whether these are an array of NumPy, or one of another library that speaks DLPack."""
+    return hasattr(values, "__dlpack__")
+
+
+def _on_host(tensor: Any) -> np.ndarray[Any, Any]:
+    """A tensor as an array: its own memory where the processor reads it, else the copy that the tensor itself makes."""
+    # PyTorch: apart from its gradient, on the host, conjugated and negated where that is pending. CuPy: get.
+    for name in ("detach", "cpu", "get", "resolve_conj", "resolve_neg"):
+        step = getattr(tensor, name, None)
+        tensor = step() if callable(step) else tensor
+    if hasattr(tensor, "__array__"):  # of NumPy, PyTorch, JAX, TensorFlow
+        return np.asarray(tensor)
+    if tensor.__dlpack_device__()[0] in _ON_HOST:
+        return np.from_dlpack(tensor)
+    return np.from_dlpack(tensor, device="cpu")  # NumPy 2.1
+
+
 def array_of(values: Any, what: str) -> np.ndarray[Any, Any]:
-    """The values as an array, whatever they are."""
+    """The values as an array, whatever they are, and on whatever device."""
     if np.ma.is_masked(values):
         raise _core.Error(f"expected an array without masked values for {what}; fill them with .filled(0)")
     try:
-        return np.asarray(values)
-    except ValueError as error:  # such as rows of different lengths
-        raise _core.Error(f"expected an array for {what}: {error}") from None
+        return _on_host(values) if is_array(values) else np.asarray(values)
+    except (TypeError, ValueError, RuntimeError, BufferError) as error:  # rows of different lengths, a device without a copy, ...
+        why = (str(error) or type(error).__name__).splitlines()[0]
+        hint = "; give its values as an array of NumPy" if is_array(values) else ""
+        raise _core.Error(f"expected an array for {what}: {why}{hint}") from None
 
 
 def rows_and_columns(values: Any, what: str) -> np.ndarray[Any, Any]:

@@ -146,10 +146,13 @@ class Run:
     stereo_white: float
     #: Seconds, facts, warnings and metrics of each stage, as in report.json.
     report: Dict[str, Any]
+    #: The core's own record of the run, from which its files follow; None after ``load_run``.
     _record: Any = field(repr=False)
 
     def save(self, folder: Path) -> None:
         """Write the files of ``holotrace run`` into a folder: render.png, render.exr, hologram.png, view.png, ..."""
+        if self._record is None:
+            raise _core.Error("expected a run that was computed here to save, got one that was loaded; copy its folder")
         made: Dict[str, Any] = {name: getattr(self, name) for name in _WHITES}
         for name in ("renders", "sources", "holograms", "views", "views_beside", "sweep", "stereo_renders", "stereo_views"):
             made[name] = [one._core for one in getattr(self, name)]
@@ -178,6 +181,26 @@ def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any])
         job.set(stage, table(params, stage))
     with watching(progress) as watch:
         made = _core.run(job, watch.core)
+    return _run_of(made, json.loads(made["report"]), made["record"])
+
+
+def load_run(folder: Path, *, progress: Progress = None) -> Run:
+    """What ``holotrace run -o FOLDER`` or ``Run.save`` wrote, as far as the files hold it.
+
+    Holograms, fields, sources, and renders (render.exr) are as they were; a render's white is that of an automatic exposure. Pictures
+    of 8 or 16 bits (views, sweep, stereo pair) are linear light relative to their white, which is 1. What the run did not make or
+    write is an empty list, or an empty report.
+    """
+    with watching(progress) as watch:
+        made = _core.load_run(os.fspath(folder), watch.core)
+    report = os.path.join(folder, "report.json")
+    if not os.path.exists(report):
+        return _run_of(made, {}, None)
+    with open(report, encoding="utf-8") as file:
+        return _run_of(made, json.load(file), None)
+
+
+def _run_of(made: Mapping[str, Any], report: Dict[str, Any], record: Any) -> Run:
     return Run(
         **{name: made[name] for name in _WHITES},
         renders=[Image._of(core) for core in made["renders"]],
@@ -189,6 +212,6 @@ def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any])
         sweep=[Image._of(core) for core in made["sweep"]],
         stereo_renders=[Image._of(core) for core in made["stereo_renders"]],
         stereo_views=[Image._of(core) for core in made["stereo_views"]],
-        report=json.loads(made["report"]),
-        _record=made["record"],
+        report=report,
+        _record=record,
     )

@@ -10,13 +10,13 @@ import numpy as np
 from . import _core, _picture
 from ._arrays import complex_samples, real_numbers
 from ._checked import count, items, text
-from ._noun import Noun
+from ._noun import ArrayNoun, Noun
 from ._units import Length, Lengths, format_length
 
 Path = Union[str, "os.PathLike[str]"]
 
 
-class Field(Noun):
+class Field(ArrayNoun):
     """Monochromatic scalar light on a grid of samples.
 
     A sample is a complex amplitude in sqrt(W/m2); power is the sum of ``|u|**2 * pitch**2``. The array has the shape
@@ -67,9 +67,9 @@ class Field(Noun):
         array: np.ndarray[Any, Any] = self._core.samples
         return array
 
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
-        array = self.samples if dtype is None else self.samples.astype(dtype, copy=False)
-        return array.copy() if copy else array
+    @property
+    def _values(self) -> np.ndarray[Any, Any]:
+        return self.samples
 
     @property
     def shape(self) -> Tuple[int, int]:

@@ -11,7 +11,7 @@ from . import _core, _picture
 from ._arrays import real_numbers, rows_and_columns, whole_levels
 from ._checked import count, text
 from ._fields import Path
-from ._noun import Noun
+from ._noun import ArrayNoun, Noun
 from ._units import Length, format_length
 
 
@@ -120,7 +120,7 @@ class Slm(Noun):
         )
 
 
-class Hologram(Noun):
+class Hologram(ArrayNoun):
     """The data shown on an SLM, a level per pixel.
 
     ``np.asarray(hologram)`` is the memory of the levels, not a copy.
@@ -185,9 +185,9 @@ class Hologram(Noun):
         array: np.ndarray[Any, Any] = self._core.level
         return array
 
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
-        array = self.level if dtype is None else self.level.astype(dtype, copy=False)
-        return array.copy() if copy else array
+    @property
+    def _values(self) -> np.ndarray[Any, Any]:
+        return self.level
 
     @property
     def modulus_level(self) -> Optional[np.ndarray[Any, Any]]:

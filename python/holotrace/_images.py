@@ -8,14 +8,14 @@ from typing import Any, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _core, _picture
-from ._arrays import array_of, real_numbers, rows_and_columns
+from ._arrays import array_of, is_array, real_numbers, rows_and_columns
 from ._checked import count, items, number
 from ._fields import Path
-from ._noun import Noun
+from ._noun import ArrayNoun, Noun
 from ._units import Length, Lengths, format_length
 
 
-class Image(Noun):
+class Image(ArrayNoun):
     """A picture of linear light, row 0 on top: [W/m2] on a sensor, [W/m2/sr] from ``render``.
 
     ``np.asarray(image)`` is the memory of the image, not a copy.
@@ -51,9 +51,9 @@ class Image(Noun):
         array: np.ndarray[Any, Any] = self._core.pixels
         return array
 
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
-        array = self.pixels if dtype is None else self.pixels.astype(dtype, copy=False)
-        return array.copy() if copy else array
+    @property
+    def _values(self) -> np.ndarray[Any, Any]:
+        return self.pixels
 
     @property
     def shape(self) -> Tuple[int, ...]:
@@ -162,8 +162,10 @@ def load_depth_image(
     return DepthImage._of(_core.DepthImage.load(os.fspath(picture), os.fspath(depth), near, far, depth_scale))
 
 
-class FocalStack(Noun):
+class FocalStack(ArrayNoun):
     """Pictures of one scene, each with another plane in focus. Planes are behind the panel, or in front of it at negative distances.
+
+    ``np.asarray(stack)`` is a copy of the shape (planes, rows, columns[, 3]), because each picture has memory of its own.
 
     Parameters
     ----------
@@ -178,6 +180,8 @@ class FocalStack(Noun):
     __slots__ = ()
 
     def __init__(self, pictures: Union[Sequence[Image], Any], distances: Lengths, pitch: Length) -> None:
+        if is_array(pictures):
+            pictures = array_of(pictures, "the pictures of a focal stack")  # from its device at once
         images = [one if isinstance(one, Image) else Image(one) for one in items(pictures, "the pictures of a focal stack")]
         self._core = _core.FocalStack.make([image._core for image in images], distances, pitch)
         self.facts = {}
@@ -186,9 +190,10 @@ class FocalStack(Noun):
     def pictures(self) -> List[Image]:
         return [Image._of(core) for core in self._core.pictures]
 
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
+    @property
+    def _values(self) -> np.ndarray[Any, Any]:
         array: np.ndarray[Any, Any] = np.stack([core.pixels for core in self._core.pictures])
-        return array if dtype is None else array.astype(dtype, copy=False)
+        return array
 
     @property
     def distances(self) -> List[float]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Mapping, Optional, Type, TypeVar, Union
+from typing import Any, Dict, Mapping, Optional, Tuple, Type, TypeVar, Union
+
+import numpy as np
 
 Fact = Union[int, float, str]
 Self = TypeVar("Self", bound="Noun")
@@ -35,3 +37,26 @@ class Noun:
 
     def __reduce__(self) -> Any:
         return (self._of, (self._core, self.facts))
+
+
+class ArrayNoun(Noun):
+    """A noun whose values are an array, for NumPy and for every library that speaks DLPack.
+
+    ``np.asarray``, ``torch.from_dlpack`` and ``jax.dlpack.from_dlpack`` see the memory of the noun itself, not a copy.
+    """
+
+    __slots__ = ()
+
+    @property
+    def _values(self) -> np.ndarray[Any, Any]:
+        raise NotImplementedError
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
+        array = self._values if dtype is None else self._values.astype(dtype, copy=False)
+        return array.copy() if copy else array
+
+    def __dlpack__(self, **wanted: Any) -> Any:
+        return self._values.__dlpack__(**wanted)
+
+    def __dlpack_device__(self) -> Tuple[Any, Any]:
+        return self._values.__dlpack_device__()

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _core
-from ._arrays import array_of, real_numbers
+from ._arrays import array_of, is_array, real_numbers
 from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Slm
@@ -28,7 +28,7 @@ def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
         raise _core.Error('expected an array for "vertices", got None')
     if "faces" not in entry:
         raise _core.Error('expected "faces" beside the "vertices" of a mesh, which are missing')
-    faces = np.asarray(entry["faces"])
+    faces = array_of(entry["faces"], "faces")
     if faces.dtype.kind not in "iu":
         raise _core.Error(f"expected whole numbers in faces, got {faces.dtype}")
     arrays: Dict[str, Any] = {"faces": _rows(faces, "faces", np.int64)}
@@ -65,8 +65,9 @@ def _plain(value: Any) -> Any:
         return {key: one if key == "arrays" else _plain(one) for key, one in value.items()}
     if isinstance(value, Noun):
         return value._core
-    if isinstance(value, np.ndarray):
-        return Image(value)._core if value.ndim >= 2 else value.tolist()
+    if is_array(value):
+        array = array_of(value, "a scene")
+        return Image(array)._core if array.ndim >= 2 else array.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if isinstance(value, (list, tuple)):

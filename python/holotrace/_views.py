@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 from . import _core
 from ._checked import items, table
 from ._fields import Path
-from ._holograms import Hologram
+from ._holograms import Hologram, load_hologram
 from ._images import Image
 from ._parameters import takes
 from ._progress import Progress, watching
@@ -61,9 +61,15 @@ class Views:
         return "".join(one.page(self.white) for one in self.images)
 
 
+def _paths_of(given: Any) -> List[str]:
+    """The files of holograms that are given as a path: those of a run in place of its folder."""
+    path = os.fspath(given)
+    return list(_core.holograms_of_run(path)) if os.path.isdir(path) else [path]
+
+
 @takes("camera")
 def view(
-    holograms: Union[Hologram, Sequence[Hologram]],
+    holograms: Union[Hologram, Path, Sequence[Union[Hologram, Path]]],
     slm: Optional[Panel] = None,
     *,
     show: Optional[Mapping[str, Any]] = None,
@@ -74,13 +80,18 @@ def view(
 ) -> Views:
     """What a camera or an eye sees of holograms on a panel: the program's ``show``.
 
+    ``holograms`` are holograms, their files, and folders of runs, which stand for all of their holograms.
     Several holograms are shown one after the other: those of one wavelength and name are averaged as frames, different
     names are added, and different wavelengths become colours. ``slm`` is the panel; None: the one that each hologram was
     made for, or an ideal one of its size. ``distances``, ``pupil`` and ``eye`` that are not given are those with which the
     first hologram's run looked at it, if it knows them. ``show`` and ``propagate`` have parameters of these verbs. An
     ``eye_separation`` adds a stereo pair, with the eyes to the left and to the right of ``eye``.
     """
-    given = [holograms] if isinstance(holograms, Hologram) else items(holograms, "a hologram or several to view")
+    is_one = isinstance(holograms, (Hologram, str, os.PathLike))
+    each: List[Any] = [holograms] if is_one else items(holograms, "a hologram or several to view")
+    parts = [_paths_of(one) if isinstance(one, (str, os.PathLike)) else [one] for one in each]
+    _core.check_series([one for part in parts for one in part if isinstance(one, str)])
+    given = [load_hologram(one) if isinstance(one, str) else one for part in parts for one in part]
     cores = [a(Hologram, one, "to view") for one in given]
     panels = [panel_of(one, slm)._core for one in given]
     stages = {"show": table(show, "show"), "propagate": table(propagate, "propagate"), "camera": params}

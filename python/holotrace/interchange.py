@@ -1,7 +1,7 @@
 """Fields, holograms and pictures as others keep them: xarray, MATLAB files, HoloTorch and slmsuite.
 
-``ht.Field(tensor, pitch=..., wavelength=...)`` takes any array of the shape (ny, nx) whose row 0 is the top row, and
-``np.asarray(field)`` gives one: turn tensors of torchoptics over (``tensor.flip(-2)``), and transpose those of odak where their
+``ht.Field(tensor, pitch=..., wavelength=...)`` takes any array or tensor of the shape (ny, nx) whose row 0 is the top row, and
+``np.asarray(field)`` or ``torch.from_dlpack(field)`` gives one: turn tensors of torchoptics over (``tensor.flip(-2)``), and transpose those of odak where their
 axes are (nx, ny). docs/how_to/come_from_other_packages.md says what differs in axes, units and signs.
 """
 
@@ -13,6 +13,7 @@ from typing import Any, Dict, List, Optional, Union
 import numpy as np
 
 from . import _core
+from ._arrays import array_of, real_numbers
 from ._fields import Field, Path
 from ._holograms import Hologram, Slm
 from ._images import Image
@@ -145,9 +146,9 @@ def load_mat(
 
 def from_holotorch(field: Any) -> List[Field]:
     """The fields of a HoloTorch ``ElectricField`` (B, T, P, C, H, W): one for each of all but the last two dimensions."""
-    data = np.asarray(field.data.detach().cpu() if hasattr(field.data, "detach") else field.data)
-    wavelengths = np.ravel(np.asarray(field.wavelengths.data_tensor.cpu(), float))
-    pitch = float(np.ravel(np.asarray(field.spacing.data_tensor.cpu(), float))[0])
+    data = array_of(field.data, "the data of an ElectricField")
+    wavelengths = real_numbers(field.wavelengths.data_tensor, "wavelengths", np.float64).ravel()
+    pitch = float(real_numbers(field.spacing.data_tensor, "spacing", np.float64).ravel()[0])
     if data.ndim != 6 or data.shape[3] != len(wavelengths):
         raise _core.Error(f"expected the shape (B, T, P, C, H, W) with {len(wavelengths)} wavelengths, got {data.shape}")
     flat = data.reshape((-1,) + data.shape[3:])

@@ -6,7 +6,8 @@
     loss = lambda phase: ((jnp.abs(to_plane(jnp.exp(1j * phase))) - target) ** 2).mean()
     gradient = jax.jit(jax.grad(loss))(phase)
 
-Functions work under ``jit``, ``grad`` and ``vmap``; the work is done on the CPU. Gradients are those of JAX: dL/dRe - i dL/dIm of a
+Functions work under ``jit``, ``grad`` and ``vmap``. Arrays may be on any device: the work is done on the CPU, and results and
+gradients return to the array's device. Gradients are those of JAX: dL/dRe - i dL/dIm of a
 complex array. Propagation has the precision of its array: complex64, or complex128 with ``jax_enable_x64``; the panel
 computes in single precision.
 """

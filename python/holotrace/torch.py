@@ -7,18 +7,20 @@
     loss = ((to_plane(torch.polar(torch.ones_like(phase), phase)).abs() - target) ** 2).mean()
     loss.backward()
 
-Tensors are on the CPU. Gradients are those of torch: dL/dRe + i dL/dIm of a complex tensor. Propagation has the precision
-of its tensor, complex64 or complex128; the panel computes in single precision.
+Tensors may be on any device: the work is done on the CPU, and results and gradients return to the tensor's device. Gradients
+are those of torch: dL/dRe + i dL/dIm of a complex tensor. Propagation has the precision of its tensor, complex64 or
+complex128; the panel computes in single precision.
 """
 
 from __future__ import annotations
 
-from typing import Any, Dict, Optional, Tuple, Union
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 import torch
 
 from . import _core
+from ._arrays import array_of
 from ._differentiable import camera_path
 from ._holograms import Slm
 from ._units import Length, Lengths
@@ -27,25 +29,19 @@ from ._waves import Panel, panel
 __all__ = ["Camera", "Modulator", "Propagation", "camera", "propagate", "round_levels", "slm"]
 
 
-def _array(tensor: torch.Tensor, dtype: torch.dtype) -> np.ndarray[Any, Any]:
-    """The values of a tensor as a contiguous array, without a copy where they are so already."""
-    if tensor.device.type != "cpu":
-        raise _core.Error(f"expected a tensor on the CPU, got one on {tensor.device}; move it with .cpu()")
-    array: np.ndarray[Any, Any] = tensor.detach().resolve_conj().resolve_neg().to(dtype).contiguous().numpy()
-    return array
-
-
 def _each(function: Any, tensor: torch.Tensor, dtype: torch.dtype, *more: torch.Tensor) -> torch.Tensor:
-    """Applies a function of arrays of rows and columns to each of a batch."""
+    """Applies a function of arrays of rows and columns to each of a batch. The result is on the device of the tensor."""
     if tensor.ndim < 2:
         raise _core.Error(f"expected a tensor of the shape (..., rows, columns), got {tuple(tensor.shape)}")
-    arrays = [_array(one, kind) for one, kind in zip((tensor, *more), (dtype, torch.complex64))]
+    arrays = [
+        np.ascontiguousarray(array_of(one.to(kind), "the values of a tensor"))
+        for one, kind in zip((tensor, *more), (dtype, torch.complex64))
+    ]
     if tensor.ndim == 2:
-        return torch.from_numpy(function(*arrays))
+        return torch.from_numpy(function(*arrays)).to(tensor.device)
     flat = [array.reshape((-1,) + array.shape[-2:]) for array in arrays]
-    made = [torch.from_numpy(function(*items)) for items in zip(*flat)]
-    stack = torch.stack(made)
-    return stack.reshape(tensor.shape[:-2] + stack.shape[-2:])
+    stack = torch.from_numpy(np.stack([function(*items) for items in zip(*flat)]))
+    return stack.reshape(tensor.shape[:-2] + stack.shape[-2:]).to(tensor.device)
 
 
 class _Apply(torch.autograd.Function):
@@ -185,7 +181,7 @@ class Camera:
     def __call__(self, u: torch.Tensor) -> torch.Tensor:
         field = self._steps[0](u)
         if self._mask is not None:
-            field = self._steps[1](field * self._mask)
+            field = self._steps[1](field * self._mask.to(field.device))
         irradiance = field.real**2 + field.imag**2
         n = self._binning
         if n == 1:

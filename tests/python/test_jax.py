@@ -1,7 +1,11 @@
 """holotrace.jax: values of the verbs, and gradients against differences."""
 
+import os
+
 import numpy as np
 import pytest
+
+os.environ["XLA_FLAGS"] = os.environ.get("XLA_FLAGS", "") + " --xla_force_host_platform_device_count=2"
 
 import holotrace as ht
 from conftest import random_samples
@@ -12,6 +16,24 @@ import holotrace.jax as htj  # noqa: E402
 from jax.test_util import check_grads  # noqa: E402
 
 jax.config.update("jax_enable_x64", True)
+
+
+def test_results_and_gradients_are_on_the_device_of_the_array():
+    """Two devices of XLA's own making stand for an accelerator; they are there if nothing has used JAX before."""
+    panel = ht.Slm(columns=7, rows=6, pitch=8e-6)
+    space, shown = htj.Propagation((6, 7), "8 um", "532 nm", "0.5 mm"), htj.Modulator(panel, "532 nm")
+    seen = htj.Camera((6, 7), "8 um", "532 nm", "0.5 mm", pupil="70 um", eye=(0, 0, "0.3 mm"))
+    losses = {"propagation": lambda u: (jnp.abs(space(u)) ** 2)[2, 3], "panel": lambda u: shown(jnp.abs(u)).real[2, 3],
+              "camera": lambda u: seen(u)[2, 3]}
+    u = random_samples((6, 7), np.complex128)
+    first, last = jax.devices()[0], jax.devices()[-1]
+    assert first != last
+    for name, loss in losses.items():
+        there, here = (jax.value_and_grad(loss)(jax.device_put(u, device)) for device in (last, first))
+        for one, other in zip(there, here):
+            assert one.devices() == {last} and other.devices() == {first}, name
+            assert one.dtype == other.dtype and (np.asarray(one) == np.asarray(other)).all(), name
+        assert there[1].dtype == u.dtype
 
 
 @pytest.mark.parametrize("dtype", [np.complex64, np.complex128])

@@ -129,6 +129,46 @@ def test_an_optimiser_finds_a_hologram():
     assert errors[-1] < 0.5 * errors[0]
 
 
+DEVICES = ["meta"] + (["cuda"] if torch.cuda.is_available() else [])
+
+
+@pytest.fixture(params=DEVICES)
+def device(request, monkeypatch):
+    """A device that is not the host. Without CUDA it is PyTorch's own without memory: a copy from there to the host is 3 everywhere,
+    so devices, types and shapes of results and gradients are tested, but not their values."""
+    if request.param == "meta":
+        to_host = torch.Tensor.cpu
+        monkeypatch.setattr(torch.Tensor, "cpu", lambda one: to_host(
+            torch.full(one.shape, 3, dtype=one.dtype) if one.device.type == "meta" else one))
+    return torch.device(request.param)
+
+
+@pytest.mark.parametrize("dtype", [torch.complex64, torch.complex128])
+def test_results_and_gradients_are_on_the_device_of_the_tensor(device, dtype):
+    space = htt.Propagation((6, 7), "8 um", "532 nm", "0.5 mm")
+    seen = htt.Camera((6, 7), "8 um", "532 nm", "0.5 mm", pupil="70 um", eye=(0, 0, "0.3 mm"), binning=2)
+    for light, dtype_of_light in ((space, dtype), (space.adjoint, dtype), (seen, torch.empty(0, dtype=dtype).real.dtype)):
+        u = samples((2, 6, 7), dtype).to(device).requires_grad_()
+        result = light(u)
+        assert (result.device.type, result.dtype) == (device.type, dtype_of_light)
+        result.abs().sum().backward()
+        assert (u.grad.device.type, u.grad.dtype, u.grad.shape) == (device.type, dtype, u.shape)
+        if device.type != "meta":
+            host = u.detach().cpu().requires_grad_()
+            light(host).abs().sum().backward()
+            assert torch.equal(light(u).cpu(), light(host)) and torch.allclose(u.grad.cpu(), host.grad, rtol=1e-5)
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_light_of_a_panel_is_on_the_device_of_its_levels(device, dtype):
+    """The panel computes in single precision; the gradient has the precision of the levels."""
+    level = torch.full((5, 6), 3, dtype=dtype, device=device).requires_grad_()
+    light = htt.Modulator(ht.Slm(columns=6, rows=5, pitch=8e-6), "532 nm").of_phase(level)
+    assert (light.device.type, light.dtype) == (device.type, torch.complex64)
+    light.abs().sum().backward()
+    assert (level.grad.device.type, level.grad.dtype) == (device.type, dtype)
+
+
 def test_bad_tensors_are_refused():
     with pytest.raises(ht.Error, match="expected a complex64 or complex128 tensor, got torch.float32"):
         htt.propagate(torch.ones(3, 3), 0.1, pitch=8e-6, wavelength=5e-7)

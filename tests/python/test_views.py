@@ -193,6 +193,86 @@ def test_a_pair_of_renders_is_the_program_bit_by_bit(scene, tmp_path, program, f
         ht.render(scene, eye_separation="6 mm")
 
 
+def test_a_run_is_loaded_as_its_files_hold_it(scene, folders):
+    """Bit by bit; 8-bit pictures to half a step of their code where they are steepest, and no brighter than white."""
+    result = ht.run(scene)
+    result.save(folders[0])
+    loaded = ht.load_run(folders[0])
+    for name in ("sources", "renders", "holograms"):
+        made, read = getattr(result, name), getattr(loaded, name)
+        assert len(made) == len(read) > 0
+        for one, other in zip(made, read):
+            for values in ("positions", "amplitudes", "phases") if name == "sources" else ("__array__",):
+                pair = [getattr(noun, values) for noun in (one, other)]
+                pair = [value() if callable(value) else value for value in pair]
+                assert equal(*pair), (name, values)
+    assert [[field.wavelength for field in group] for group in loaded.fields] == [[638e-9, 532e-9]]
+    assert all(equal(one.samples, other.samples) for one, other in zip(result.fields[0], loaded.fields[0]))
+    pictures = {"views": result.white, "sweep": result.sweep_white, "stereo_views": result.stereo_white, "stereo_renders": None}
+    for name, white in pictures.items():
+        made, read = getattr(result, name), getattr(loaded, name)
+        assert len(made) == len(read) > 1
+        white = white or _core.common_white([one._core for one in made], 0.0)
+        for one, other in zip(made, read):
+            # Half a code of 255, where the sRGB curve is steepest: its slope at 1 is 2.4 / 1.055.
+            assert np.abs(np.clip(one.pixels / white, 0, 1) - other.pixels).max() <= 0.5 / 255 * 2.4 / 1.055
+    assert loaded.white == loaded.sweep_white == loaded.stereo_white == 1 and loaded.views_beside == []
+    assert loaded.render_white == _core.common_white([one._core for one in result.renders], 0.0)
+    assert loaded.report == json.loads((folders[0] / "report.json").read_text()) and loaded.report["complete"]
+    assert "data:image/png" in loaded._repr_html_()
+    with pytest.raises(ht.Error, match="expected a run that was computed here to save, got one that was loaded; copy its folder"):
+        loaded.save(folders[1])
+    assert not list(folders[1].iterdir())
+
+
+def test_a_run_without_its_other_files_is_loaded(scene, folders):
+    """Its places are no sources, its render is a picture, and its report is gone."""
+    ht.run(scene).save(folders[0])
+    for path in folders[0].iterdir():
+        if path.suffix in (".exr", ".ply", ".json", ".npy") or path.name.startswith(("holo_", "stereo_")):
+            path.rename(folders[1] / path.name)
+    (folders[1] / "sources.ply").rename(folders[0] / "points.ply")
+    loaded = ht.load_run(folders[0])
+    assert loaded.sources == loaded.fields == loaded.stereo_views == [] and loaded.report == {}
+    assert equal(loaded.renders[0].pixels, ht.load_image(folders[0] / "render.png").pixels) and loaded.render_white == 1
+
+
+def test_view_of_the_folder_of_a_run_is_the_program_bit_by_bit(scene, program, folders):
+    """Distances, pupil and eye are those of the run where they are not given."""
+    program("run", "scene.toml", "-o", "run")
+    run = folders[0].parent / "run"
+    program("show", "run", "-o", "program/v.png")
+    for given in (run, str(run), [run], ht.load_run(run).holograms, [run / "hologram.png", str(run / "hologram_2.png")]):
+        ht.view(given).save(folders[1] / "v.png")
+        assert same_files(*folders) == {"v.png", "v_2.png"}
+    program("show", "run", "run", "--distance", "90 mm", "--pupil", "1 mm", "-o", "program/v.png")
+    ht.view([run, run], distances="90 mm", pupil="1 mm").save(folders[1] / "v.png")
+    same_files(*folders)
+
+
+def test_folders_without_a_complete_run_are_refused_as_by_the_program(scene, tmp_path, program_error, folders):
+    def refused():
+        sentence = program_error("show", folders[0], "-o", "v.png")
+        for read in (ht.view, ht.load_run):
+            with pytest.raises(ht.Error) as error:
+                read(folders[0])
+            assert str(error.value) == sentence
+        return sentence
+
+    assert "holds no hologram.png" in refused()
+    ht.run(scene).save(folders[0])
+    report = json.loads((folders[0] / "report.json").read_text())
+    (folders[0] / "report.json").write_text(json.dumps({**report, "complete": False}))
+    assert "was ended while it wrote its files; run it again" in refused()
+    (folders[0] / "report.json").write_text(json.dumps(report))
+    ht.run(scene, trace={"frames": 2}).save(folders[1])  # four holograms, whose third is of no series of two
+    for path in folders[1].glob("hologram_3*"):
+        path.rename(folders[0] / path.name)
+    assert "expected holograms of one series" in refused()
+    with pytest.raises(ht.Error, match="none.png"):
+        ht.view(tmp_path / "none.png")
+
+
 def test_frames_of_a_field_are_refused_before_the_work(monkeypatch, field):
     monkeypatch.setattr(_core, "encode_fields", lambda *given: pytest.fail("it has begun"))
     with pytest.raises(ht.Error, match="expected frames only with a focal stack; leave it out"):

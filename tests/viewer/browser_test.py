@@ -6,6 +6,7 @@ HOLOTRACE_SCREENSHOTS=FOLDER writes pictures of the page.
 """
 
 import base64
+import http.server
 import io
 import json
 import os
@@ -16,6 +17,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.request
@@ -113,9 +115,9 @@ def wait_until(work, seconds=20, what="the page"):
 
 
 class Server:
-    def __init__(self, *arguments):
-        self.process = subprocess.Popen([PROGRAM, "view", "--no-browser", *arguments], stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True)
+    def __init__(self, *arguments, stdin=None):
+        self.process = subprocess.Popen([PROGRAM, "view", "--no-browser", *arguments], stdin=stdin,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.url = self.process.stdout.readline().strip()
 
     def stop(self):
@@ -560,6 +562,39 @@ class Page(unittest.TestCase):
         server.send_signal(signal.SIGINT)
         server.communicate(timeout=20)
         self.assertFalse(os.path.exists(os.path.dirname(path)))
+
+    def test_shows_in_a_frame_of_this_machine_if_asked_to(self):
+        """A page of another server stands for a notebook: its origin is of another site (localhost), then of another port."""
+        class Notebook(http.server.BaseHTTPRequestHandler):
+            url = ""
+
+            def do_GET(self):
+                page = f'<!doctype html><iframe id="viewer" src="{self.url}" width="900" height="600"></iframe>'.encode()
+                self.send_response(200)
+                self.send_header("Content-Type", "text/html")
+                self.end_headers()
+                self.wfile.write(page)
+
+            def log_message(self, *arguments):
+                pass
+
+        notebook = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Notebook)
+        threading.Thread(target=notebook.serve_forever, daemon=True).start()
+        self.addCleanup(notebook.shutdown)
+        embedded = Server("--embed", self.out, stdin=subprocess.PIPE)
+        self.addCleanup(embedded.stop)
+        for server, host, is_shown in ((embedded, "localhost", True), (embedded, "127.0.0.1", True),
+                                       (self.server, "localhost", False), (self.server, "127.0.0.1", False)):
+            Notebook.url = server.url
+            self.browser.get(f"http://{host}:{notebook.server_address[1]}/")
+            self.browser.switch_to.frame("viewer")
+            if is_shown:
+                self.settle()
+                self.change(lambda: self.get("frame").send_keys(Keys.ARROW_UP))
+            else:
+                wait_until(lambda: self.script("return document.readyState") == "complete", what="the frame")
+                self.assertFalse(self.browser.find_elements(By.ID, "picture"))
+            self.browser.switch_to.default_content()
 
     def test_loads_nothing_from_elsewhere(self):
         origin = self.script("return location.origin")

@@ -24,9 +24,9 @@ KEPT_BY_SANITIZER = 300 if os.environ.get("HOLOTRACE_IS_SANITIZED") else 0  # [M
 
 
 class Server:
-    def __init__(self, *arguments):
-        self.process = subprocess.Popen([PROGRAM, "view", "--no-browser", *arguments], stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True)
+    def __init__(self, *arguments, stdin=None):
+        self.process = subprocess.Popen([PROGRAM, "view", "--no-browser", *arguments], stdin=stdin,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.url = self.process.stdout.readline().strip()
         self.port, self.token = re.fullmatch(r"http://[^/]*:(\d+)/([0-9a-f]{64})/", self.url).groups()
         self.port = int(self.port)
@@ -163,6 +163,25 @@ class OfProgram(unittest.TestCase):
             server = Server(folder, "--idle", "1 s")
             server.process.communicate(timeout=20)
             self.assertEqual(server.process.returncode, 0)
+
+    def test_ends_with_the_program_that_embeds_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for arguments, ends in ((("--embed",), True), ((), False)):
+                server = Server(folder, *arguments, stdin=subprocess.PIPE)
+                server.process.stdin.write("more\n")  # what it is sent does not matter
+                server.process.stdin.flush()
+                time.sleep(0.5)
+                self.assertIsNone(server.process.poll())
+                self.assertEqual(server.ask(), 200)
+                server.process.stdin.close()
+                server.process.stdin = None
+                if ends:
+                    server.process.communicate(timeout=20)
+                    self.assertEqual(server.process.returncode, 0)
+                else:
+                    time.sleep(0.5)
+                    self.assertEqual(server.ask(), 200)
+                    self.assertEqual(server.stop(), 0)
 
     def test_says_that_a_hologram_is_too_large(self):
         def chunk(kind, data):

@@ -31,6 +31,17 @@ TEST_F(AnswersOf, ThePage) {
   EXPECT_EQ(ask("").body.find("http://"), std::string::npos);  // nothing from elsewhere
 }
 
+TEST_F(AnswersOf, FramesOfThePageAlone) {
+  EXPECT_FALSE(ask("").may_be_framed);
+  Answers embedded{session, {"secret", "127.0.0.1", 80, true}};
+  const auto may_be_framed = [&](const std::string& path) {
+    return embedded({"GET", path, "", {{"host", "127.0.0.1:80"}}}).may_be_framed;
+  };
+  EXPECT_TRUE(may_be_framed("/secret/"));
+  EXPECT_FALSE(may_be_framed("/other/"));
+  EXPECT_FALSE(may_be_framed("/secret/session"));
+}
+
 TEST_F(AnswersOf, NoOtherFiles) {
   for (const char* path :
        {"../hologram.png", "..%2fhologram.png", "%2e%2e/hologram.png", "./main.js", "/main.js", "main.js/", "..",

@@ -43,6 +43,15 @@ TEST(Http, KeepsThePageToItself) {
   EXPECT_EQ(head.find("unsafe"), std::string::npos);
 }
 
+TEST(Http, FramesOfThisMachineAlone) {
+  HttpAnswer answer{200, "text/html", "12345"};
+  answer.may_be_framed = true;
+  const std::string head = head_of(answer);
+  EXPECT_NE(head.find("; frame-ancestors http://localhost:* http://127.0.0.1:* vscode-webview: vscode-file:\r\n"),
+            std::string::npos);
+  EXPECT_NE(head.find("default-src 'none'; script-src 'self';"), std::string::npos);  // all else is as it was
+}
+
 class AccessOf : public ::testing::Test {
  protected:
   static HttpRequest request(const std::string& path, const std::map<std::string, std::string>& headers) {
@@ -113,6 +122,24 @@ TEST_F(AccessOf, ALinkToThePage) {
   auto request_of_a_script = link;
   request_of_a_script["sec-fetch-mode"] = "cors";
   EXPECT_FALSE(is_allowed(access, "/secret/", request_of_a_script));
+}
+
+TEST_F(AccessOf, AFrame) {
+  const Access open{"secret", "127.0.0.1", 8080, true};
+  for (const char* site : {"cross-site", "same-site"}) {
+    std::map<std::string, std::string> frame{{"host", "127.0.0.1:8080"},
+                                             {"sec-fetch-site", site},
+                                             {"sec-fetch-mode", "navigate"},
+                                             {"sec-fetch-dest", "iframe"}};
+    EXPECT_TRUE(is_allowed(open, "/secret/", frame));
+    EXPECT_FALSE(is_allowed(access, "/secret/", frame));
+    EXPECT_FALSE(is_allowed(open, "/secre/", frame));
+    EXPECT_FALSE(is_allowed(open, "/secret/view", frame));
+    for (const char* place : {"embed", "object", "image", "script"}) {
+      frame["sec-fetch-dest"] = place;
+      EXPECT_FALSE(is_allowed(open, "/secret/", frame)) << place;
+    }
+  }
 }
 
 TEST(Address, IsCanonical) {

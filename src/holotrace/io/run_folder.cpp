@@ -3,9 +3,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/progress_file.h"
@@ -114,24 +116,25 @@ namespace fs = std::filesystem;
 // The path of a file that exists, else "".
 std::string if_there(const fs::path& path) { return is_file(path) ? path.string() : ""; }
 
-std::vector<std::string> numbered_series(const fs::path& first) {
+}  // namespace
+
+std::vector<std::string> numbered_series(const std::string& first) {
   std::vector<std::string> paths;
-  for (std::string path = if_there(first); !path.empty(); path = if_there(numbered_path(first.string(), paths.size())))
+  for (std::string path = if_there(first); !path.empty(); path = if_there(numbered_path(first, paths.size())))
     paths.push_back(path);
   return paths;
 }
 
-}  // namespace
-
 RunFolder list_run(const std::string& folder) {
   const fs::path at(folder);
+  const auto series_of = [&](const char* name) { return numbered_series((at / name).string()); };
   RunFolder run{folder,
-                numbered_series(at / run_hologram),
-                numbered_series(at / run_view),
-                numbered_series(at / "sources.ply"),
+                series_of(run_hologram),
+                series_of(run_view),
+                series_of("sources.ply"),
                 if_there(at / "field.npy"),
                 if_there(at / "report.json")};
-  if (run.points.empty()) run.points = numbered_series(at / run_points);
+  if (run.points.empty()) run.points = series_of(run_points);
   return run;
 }
 
@@ -145,6 +148,29 @@ RunFolder list_complete_run(const std::string& folder) {
           "expected the folder of a complete run, but the one of {} was ended while it wrote its files; run it again",
           folder);
   return run;
+}
+
+void check_series(const std::vector<std::string>& holograms) {
+  struct First {
+    std::string path;
+    SeriesPart part;
+  };
+  std::map<std::string, First> series;
+  for (const std::string& path : holograms) {
+    const SeriesPart part = series_part(path);
+    const fs::path p(path);
+    std::string stem = p.stem().string();  // of the first of the series
+    const std::string ending = part.number == 1 ? "" : fmt::format("_{}", part.number);
+    if (!stem.ends_with(ending)) continue;  // it was renamed
+    stem.resize(stem.size() - ending.size());
+    const auto [found, is_new] = series.try_emplace((p.parent_path() / stem).string(), First{path, part});
+    const First& first = found->second;
+    require(
+        is_new || first.part.count == part.count,
+        "expected holograms of one series, but {} is number {} of a series of {}, and {} is number {} of a series of "
+        "{}; leave out the files of the earlier run",
+        first.path, first.part.number, first.part.count, path, part.number, part.count);
+  }
 }
 
 std::vector<RenderedView> rendered_views(const std::string& folder) {

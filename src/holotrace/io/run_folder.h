@@ -47,6 +47,9 @@ struct RenderOfView {
 /// report, if it is damaged, or if it does not list these files with their sizes.
 std::optional<RenderOfView> render_of_view(const std::string& view);
 
+/// The paths NAME, NAME_2, … as far as they are files.
+std::vector<std::string> numbered_series(const std::string& first);
+
 /// The files that a report lists; none if there is no report or it lists none.
 FileRecord report_record(const std::string& path);
 
@@ -66,6 +69,10 @@ RunFolder list_run(const std::string& folder);
 /// The same for a reader that needs a complete run with holograms.
 /// @throws Error  if there is no hologram, or if the report says that the run was ended while it wrote its files
 RunFolder list_complete_run(const std::string& folder);
+
+/// Checks that holograms that were written together, as far as their names say so, are of one call: more frames of an earlier
+/// call may lie beside them. @throws Error  naming the first that is not
+void check_series(const std::vector<std::string>& holograms);
 
 /// A render of a run and the view that should show the same.
 struct RenderedView {

@@ -85,7 +85,8 @@ HttpAnswer Answers::operator()(const HttpRequest& request) {
   const std::string name = path.empty() ? "index.html" : path;
   const auto file =
       std::find_if(page_files().begin(), page_files().end(), [&](const PageFile& f) { return f.name == name; });
-  if (file != page_files().end()) return {200, std::string(file->type), std::string(file->content)};
+  if (file != page_files().end())
+    return {200, std::string(file->type), std::string(file->content), {}, access_.allows_frames};
   try {
     Query query = parse_query(request.query);
     const bool has_turn = path == "view" || path == "reference";

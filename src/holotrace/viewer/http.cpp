@@ -122,11 +122,16 @@ std::string head_of(const HttpAnswer& answer) {
     head += fmt::format("Content-Type: {}\r\nContent-Length: {}\r\n", answer.type, answer.body.size());
   if (!answer.file_name.empty())
     head += fmt::format("Content-Disposition: attachment; filename=\"{}\"\r\n", answer.file_name);
-  head +=
+  // A page that frames another one can lay something over it and catch clicks that are meant for it. So nobody frames this
+  // page, unless its user has asked for that; then pages do that come from this machine: of a notebook server, or of an
+  // editor that shows notebooks. Elsewhere on the network, a page can be anybody's.
+  head += fmt::format(
       "Connection: close\r\n"
       "Cache-Control: no-store\r\n"
       "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
-      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
+      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors {}\r\n",
+      answer.may_be_framed ? "http://localhost:* http://127.0.0.1:* vscode-webview: vscode-file:" : "'none'");
+  head +=
       "Cross-Origin-Opener-Policy: same-origin\r\n"
       "Cross-Origin-Resource-Policy: same-origin\r\n"
       "Referrer-Policy: no-referrer\r\n"
@@ -154,10 +159,11 @@ bool is_in_digits(const std::string& name) {
 constexpr const char* of_another_page =
     "this server answers only to its own page; open the URL that holotrace view printed";
 
-// Whether a browser opens a page in a tab, not a part of another page.
-bool opens_a_page(const HttpRequest& request) {
+// Whether a browser opens a page in a tab, or in a frame where that is allowed, not a part of another page.
+bool opens_a_page(const HttpRequest& request, bool allows_frames) {
+  const std::string place = request.header("sec-fetch-dest");
   return request.method == "GET" && request.header("sec-fetch-mode") == "navigate" &&
-         request.header("sec-fetch-dest") == "document";
+         (place == "document" || (allows_frames && place == "iframe"));
 }
 
 }  // namespace
@@ -203,7 +209,8 @@ std::string Access::refusal(const HttpRequest& request) const {
   if (!is_equal_in_constant_time(token, given) || end == std::string::npos)
     return "the address lacks the right token; open the URL that holotrace view printed";
   const bool is_from_elsewhere = !site.empty() && site != "same-origin" && site != "none";
-  if (is_from_elsewhere && !(opens_a_page(request) && inner_path(request).empty())) return of_another_page;
+  if (is_from_elsewhere && !(opens_a_page(request, allows_frames) && inner_path(request).empty()))
+    return of_another_page;
   return "";
 }
 

@@ -26,7 +26,8 @@ struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
-  std::string file_name{};  ///< for a download
+  std::string file_name{};     ///< for a download
+  bool may_be_framed = false;  ///< by other pages of this machine, such as notebooks
 };
 
 /// The end of the head in what was received; nothing if it is not complete.
@@ -52,12 +53,13 @@ struct Access {
   std::string token;
   std::string address;  ///< on which the server listens, canonical
   int port = 0;
+  bool allows_frames = false;  ///< whether the page may also be opened in a frame (HttpAnswer::may_be_framed)
 
   /// Why a request is refused; "" if it is not. It is, unless
   /// - its Host is the address with the port, or "localhost" for a loopback address; for the addresses of all
   ///   interfaces, any address in digits. A name of another site that was made to lead here (DNS rebinding) is none;
   /// - its Origin and Sec-Fetch-Site, if a browser sends them, are those of this page or of a new tab. Only the page
-  ///   itself may also be opened from elsewhere, as by a link;
+  ///   itself may also be opened from elsewhere, as by a link or, where they are allowed, in a frame;
   /// - its path begins with "/TOKEN/".
   std::string refusal(const HttpRequest& request) const;
 

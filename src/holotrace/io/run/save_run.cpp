@@ -185,4 +185,46 @@ SavedRun save_run(const std::string& folder, const RunResults& results, const Jo
   return saved;
 }
 
+namespace {
+
+template <class Load>
+auto load_each(const std::vector<std::string>& paths, const Load& load) {
+  std::vector<decltype(load(paths.front()))> loaded(paths.size());
+  parallel_for(0, int64_t(paths.size()), [&](int64_t i) { loaded[size_t(i)] = load(paths[size_t(i)]); });
+  return loaded;
+}
+
+}  // namespace
+
+RunResults load_run(const std::string& folder) {
+  const RunFolder run = list_complete_run(folder);
+  check_series(run.holograms);
+  const auto path_of = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
+  const auto picture = [](const std::string& path) { return load_image(path); };
+  const auto pictures = [&](const std::string& name) { return load_each(numbered_series(path_of(name)), picture); };
+  const auto sources = [](const std::string& path) { return load_sources(path); };
+  const auto pair = [&](const std::string& name) {
+    const std::string left = path_with_suffix(path_of(name), "_left"),
+                      right = path_with_suffix(path_of(name), "_right");
+    return is_file(left) ? load_each({left, right}, picture) : std::vector<Image>();
+  };
+  RunResults found;
+  const bool has_radiance = is_file(path_of(run_radiance));
+  found.renders = pictures(has_radiance ? run_radiance : run_render);
+  if (has_radiance) found.render_white = common_white(found.renders, 0);
+  (is_file(path_of("sources.ply")) ? found.sources : found.points) = load_each(run.points, sources);
+  found.fields =
+      load_each(numbered_series(path_of("field.npy")), [](const std::string& path) { return load_fields(path); });
+  found.holograms = load_each(run.holograms, [](const std::string& path) { return load_hologram(path); });
+  found.views = load_each(run.views, picture);
+  found.views_beside = pictures("view_beside.png");
+  std::vector<std::string> sweep;
+  while (is_file(picture_path(path_of(run_view), sweep.size())))
+    sweep.push_back(picture_path(path_of(run_view), sweep.size()));
+  found.sweep.images = load_each(sweep, picture);
+  found.stereo_renders = pair("stereo.png");
+  found.stereo_views.images = pair("holo.png");
+  return found;
+}
+
 }  // namespace holotrace

@@ -65,4 +65,10 @@ struct SavedRun {
 SavedRun save_run(const std::string& folder, const RunResults& results, const Job& job, const StageObserver& watch = {},
                   const std::function<std::shared_ptr<void>()>& before_naming = {});
 
+/// Reads what save_run wrote: renders, as their radiance with the white of an automatic exposure where that was written;
+/// sources, points, fields, holograms; and pictures of 8 or 16 bits, as linear light whose white is 1. The files do not
+/// hold viewpoints, and the report as JSON alone: both stay empty.
+/// @throws Error  as list_complete_run, check_series and the readers of the files do
+RunResults load_run(const std::string& folder);
+
 }  // namespace holotrace
