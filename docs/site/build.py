@@ -12,9 +12,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+from pages import write_pages
+
 SITE = Path(__file__).resolve().parent
 ROOT = SITE.parents[1]
-MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton")
+MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton", "nbclient", "ipykernel")
 
 
 def main():
@@ -23,18 +25,21 @@ def main():
     if shutil.which("doxygen") is None:
         missing.append("doxygen")
     if missing:
-        print(f"skipped: the site is not built: {', '.join(missing)} not installed; run scripts/setup --tests")
+        for name in missing:
+            print(f"skipped: {name} is not installed, which the site needs; run scripts/setup --tests")
         return 77
     shutil.rmtree(out, ignore_errors=True)  # a page that is gone leaves nothing
     out.mkdir(parents=True)
+    write_pages(out / "pages")
     settings = f"@INCLUDE = {SITE / 'Doxyfile'}\nOUTPUT_DIRECTORY = {out / 'doxygen'}\n"
     subprocess.run(["doxygen", "-"], input=settings, text=True, cwd=ROOT, check=True)
     environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "1",
+                   "PYDEVD_DISABLE_FILE_VALIDATION": "1",  # no warnings of the notebooks' debugger
                    "HOLOTRACE_DOXYGEN_XML": str(out / "doxygen" / "xml")}
     sphinx = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", "-c", SITE, "-d", out / "doctrees"]
-    done = subprocess.run([*sphinx, ROOT / "docs", out / "html"], env=environment, check=False)
+    done = subprocess.run([*sphinx, out / "pages", out / "html"], env=environment, check=False)
     if done.returncode == 0:
-        print(f"the site: {out / 'html' / 'README.html'}")
+        print(f"the site: {out / 'html' / 'index.html'}")
     return done.returncode
 
 

@@ -1,7 +1,7 @@
 """The documentation site: the pages of docs/ as they are, the Python package, and the C++ library by Doxygen.
 
-scripts/docs builds it. Nothing here is a second source of text: the sidebar is made from the lists of docs/README.md,
-the Python reference from the package, and the C++ reference from the headers.
+scripts/docs builds it. Nothing here is a second source of text: first page and navigation are made from README.md and
+docs/README.md (pages.py), the Python reference from the package, and the C++ reference from the headers.
 """
 
 import os
@@ -19,16 +19,15 @@ import holotrace  # noqa: E402  of the build tree: scripts/docs sets the path
 
 project = "Holotrace"
 version = release = holotrace.__version__
-root_doc = "README"
 extensions = [
     "breathe",
     "mathml",
     "myst_parser",
+    "notebook_pages",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["site"]
 nitpicky = False
 
 # Markdown as GitHub reads it, and $mathematics$.
@@ -51,7 +50,9 @@ html_theme = "furo"
 html_title = "Holotrace"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_favicon = "static/icon.svg"
 html_show_sphinx = False
+html_show_copyright = False
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}
 copybutton_prompt_text = r"\$ |>>> "
@@ -64,16 +65,6 @@ for _kind in (CPPObject, *CPPObject.__subclasses__()):
         _field.rolename = ""
 
 
-def add_sidebar(app, name, source):
-    """The lists of the first page, Learn, Do, Look up and Understand, also are the sidebar."""
-    if name != root_doc:
-        return
-    text = source[0]
-    for caption, body in re.findall(r"^\*\*([A-Z][a-z ]+)\.\*\*(.*?)(?=^\*\*|^[A-Z#]|\Z)", text, re.M | re.S):
-        pages = re.findall(r"\]\(([\w/]+)\.md\)", body)
-        source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n" + "\n".join(pages) + "\n```\n"
-
-
 def escape_bars(app, what, name, obj, options, lines):
     """The help texts of parameters are plain text: |U| is a modulus in them, not a substitution."""
     lines[:] = [re.sub(r"(``.*?``)|\|", lambda found: found.group(1) or r"\|", line) for line in lines]
@@ -81,11 +72,10 @@ def escape_bars(app, what, name, obj, options, lines):
 
 def leave_source_file(app, env, node, text):
     """A link to a file of the repository that is no page, such as ../CONTRIBUTING.md, stays as its text."""
-    page = ROOT / "docs" / env.doc2path(node.get("refdoc", root_doc), base=False)
-    return text if (page.parent / node.get("reftarget", "")).is_file() else None
+    page = ROOT / "docs" / env.doc2path(node.get("refdoc", app.config.root_doc), base=False)
+    return text if (page.parent / node.get("reftarget", "").partition("#")[0]).is_file() else None
 
 
 def setup(app):
-    app.connect("source-read", add_sidebar)
     app.connect("autodoc-process-docstring", escape_bars, priority=400)  # before napoleon
     app.connect("missing-reference", leave_source_file)

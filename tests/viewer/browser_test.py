@@ -25,19 +25,16 @@ import zlib
 
 try:
     from PIL import Image
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
 except ImportError as error:
     print(f"skipped: {error}; scripts/setup --tests installs what is missing")
     sys.exit(77)
 
-DRIVER = shutil.which("chromedriver")
-if not DRIVER or not (shutil.which("chromium") or shutil.which("google-chrome")):
-    print("skipped: no chromium with chromedriver; scripts/setup --tests installs them")
-    sys.exit(77)
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+from browser import new_browser  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
 
@@ -130,18 +127,6 @@ class Server:
         return self.process.returncode
 
 
-def new_browser(columns, rows, is_phone=False):
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-                     "--ignore-gpu-blocklist", "--hide-scrollbars", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(options=options, service=Service(DRIVER))
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                            {"width": columns, "height": rows, "deviceScaleFactor": 1, "mobile": is_phone})
-    return browser
-
-
 class Page(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -223,7 +208,7 @@ class Page(unittest.TestCase):
     def test_focuses_by_wheel_number_and_keys(self):
         frame = self.get("frame")
         self.change(lambda: ActionChains(self.browser).scroll_from_origin(
-            webdriver.common.actions.wheel_input.ScrollOrigin.from_element(frame), 0, -100).perform())
+            ScrollOrigin.from_element(frame), 0, -100).perform())
         wheeled = self.distance()
         self.assertGreater(wheeled, 40)
         self.assert_view_is_that_of_show()
@@ -419,7 +404,7 @@ class Page(unittest.TestCase):
         self.assertEqual(self.distance(), -25.5)
         before = self.distance()
         self.change(lambda: ActionChains(self.browser).scroll_from_origin(
-            webdriver.common.actions.wheel_input.ScrollOrigin.from_element(frame), 0, 100).perform())
+            ScrollOrigin.from_element(frame), 0, 100).perform())
         self.assertLess(self.distance(), before)
         self.change(lambda: self.set_number("distance-number", -80))  # beyond the slider, which follows
         self.assertLess(self.slider()[0], -80)
