@@ -105,13 +105,17 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
               "expected holograms of one panel, but {} has {} × {} pixels and {} has {} × {}", o->paths.front(),
               first.nx, first.ny, path, other.nx, other.ny);
     }
-    const std::vector<PanelImage> images = o->panel.images(holograms, o->output, warnings_on_terminal());
+    const std::string name = std::filesystem::path(o->output).filename().string();
     if (!o->output.empty()) {
-      for (size_t i = 1; i < images.size(); ++i) note_output(numbered_path(o->output, i));
+      for (size_t i = 1; i < o->panel.count(holograms.size()); ++i) note_output(numbered_path(o->output, i));
       return say_warnings(write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
-        save_panel_images(set, std::filesystem::path(o->output).filename().string(), images, o->panel.done());
+        if (o->panel.are_given())
+          save_panel_images(set, name, o->panel.images(holograms, o->output, warnings_on_terminal()), o->panel.done());
+        else
+          save_holograms(set, name, holograms);
       }));
     }
+    const std::vector<PanelImage> images = o->panel.images(holograms, "", warnings_on_terminal());
     std::vector<std::vector<unsigned>> pictures;
     std::vector<const unsigned*> colours;
     for (const PanelImage& image : images) pictures.push_back(colours_of(image));

@@ -20,6 +20,7 @@
 #include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/encode_job.h"
+#include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/target.h"
 #include "panel_image_flags.h"
 #include "rank_links.h"
@@ -49,6 +50,21 @@ EncodeJob job_of_stack_file(const std::string& path, Outside outside, const Slm&
           "expected --target-distances only with a field or a picture; the focal stack {} has its own; leave it out",
           path);
   return job_of_stack(load_focal_stack(path, outside), slm, wavelengths, params);
+}
+
+// The holograms that a job will make, without their levels.
+std::vector<Hologram> blank_holograms(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params) {
+  std::vector<Hologram> blank;
+  for (int frame = 0; frame < frames; ++frame)
+    for (const double wavelength : job.wavelengths) {
+      Hologram& hologram = blank.emplace_back();
+      hologram.grid = slm.grid;
+      hologram.level = Array2D<uint16_t>(slm.grid.ny, slm.grid.nx);
+      hologram.levels = params.levels > 0 ? params.levels : slm.levels;
+      hologram.modulation = modulation_of(params, slm);
+      hologram.wavelength = wavelength;
+    }
+  return blank;
 }
 
 }  // namespace
@@ -136,6 +152,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     job.links = &links;
     Report report;
     report.seed = params.seed;
+    o->panel.check(blank_holograms(job, o->frames, slm, params), o->output);
     for (size_t i = 1; i < o->panel.count(job.wavelengths.size() * size_t(o->frames)); ++i)
       note_output(numbered_path(o->output, i));
     std::vector<Hologram> holograms = encode_job(job, o->frames, slm, params, report, console.stages());

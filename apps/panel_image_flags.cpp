@@ -14,15 +14,14 @@ void PanelImageFlags::add(CLI::App& command) {
   command
       .add_option(
           "--lut", lut_,
-          "level table of the panel's maker, added last: a line for each grey or level with the value that is sent, or with "
-          "both")
+          "level table of the panel's maker: a line for each grey or level with the value that is sent, or with both")
       ->type_name("FILE")
       ->group(group);
   command
       .add_option(
           "--correction", correction_,
-          "phase correction of the panel's maker, which is added: a grey picture of 8 or 16 bits, all greys a full cycle, "
-          "or a .npy of phases in radians")
+          "phase correction of the panel's maker, added to the turned picture: a grey picture of 8 or 16 bits, all greys a full "
+          "cycle; a .csv of levels; or a .npy of phases in radians")
       ->type_name("FILE")
       ->group(group);
 }
@@ -36,13 +35,21 @@ size_t PanelImageFlags::count(size_t holograms) const {
   return (holograms + each - 1) / each;
 }
 
+void PanelImageFlags::check(const std::vector<Hologram>& blank, const std::string& path) const {
+  if (are_given())
+    for (const PanelImage& image : images(blank, path)) check_panel_image(path, image);
+  else
+    for (const Hologram& one : blank) check_panel_image(path, {one.grid.nx, one.grid.ny, 1, grey_bits(one.levels), {}});
+}
+
 std::vector<PanelImage> PanelImageFlags::images(const std::vector<Hologram>& holograms, const std::string& path,
                                                 const Observer& observer) const {
   PanelImageParams params;
   flags_.apply(params);
   PanelTables tables;
   if (!lut_.empty()) tables.lut = load_level_table(lut_);
-  if (!correction_.empty()) tables.correction = load_correction(correction_);
+  if (!correction_.empty())
+    tables.correction = load_correction(correction_, holograms.empty() ? 0 : holograms.front().levels);
   return panel_images(holograms, params, tables, holds_levels(path) ? PanelValue::level : PanelValue::grey, observer);
 }
 

@@ -23,6 +23,10 @@ class PanelImageFlags {
   /// How many pictures so many holograms become.
   size_t count(size_t holograms) const;
 
+  /// Checks before the work what can be checked without levels: tables, sizes, and the file's format. @throws Error as images() and
+  /// check_panel_image do
+  void check(const std::vector<Hologram>& blank, const std::string& path) const;
+
   /// The pictures of holograms for a file with the ending of `path`. @throws Error  as panel_images and the readers of tables do
   std::vector<PanelImage> images(const std::vector<Hologram>& holograms, const std::string& path,
                                  const Observer& observer = {}) const;

@@ -162,7 +162,8 @@ void bind_holograms(nb::module_& module) {
       check_output(path, panel_image_endings());
       PanelTables tables;
       if (!lut.empty()) tables.lut = load_level_table(lut);
-      if (!correction.empty()) tables.correction = load_correction(correction);
+      if (!correction.empty())
+        tables.correction = load_correction(correction, holograms.empty() ? 0 : holograms.front().levels);
       const std::vector<PanelImage> images =
           panel_images(holograms, params, tables, holds_levels(path) ? PanelValue::level : PanelValue::grey, observer);
       const std::string name = std::filesystem::path(path).filename().string();

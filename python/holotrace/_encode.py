@@ -7,6 +7,8 @@ import os
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
+import numpy as np
+
 from . import _core
 from ._checked import count, table
 from ._fields import Field, Path, Sources
@@ -16,7 +18,7 @@ from ._noun import Noun
 from ._parameters import takes
 from ._progress import Progress, watching
 from ._scenes import Scene
-from ._units import Lengths
+from ._units import Lengths, format_length
 from ._waves import Panel, a, panel
 
 #: What a hologram is made from: the field on the panel, a target picture, or a focal stack.
@@ -91,6 +93,15 @@ def encode_all(
     return _encode(target, slm, wavelength, frames, progress, params)
 
 
+def _text_of(name: str, value: Any) -> str:
+    """A parameter as the program's flags write it."""
+    if isinstance(value, (bool, str)):
+        return str(value).lower() if isinstance(value, bool) else value
+    if name in ("blaze", "lens"):
+        return ", ".join(one if isinstance(one, str) else format_length(float(one)) for one in np.atleast_1d(value).tolist())
+    return str(value)
+
+
 @takes("panel_image")
 def save_panel_images(
     holograms: Sequence[Hologram],
@@ -103,12 +114,14 @@ def save_panel_images(
     """Write pictures as the panel of a bench wants them, and return their paths.
 
     ``path`` ends in .png, .bmp, .tif, .npy or .csv; several pictures become NAME, NAME_2, ... ``lut`` is the level table of the
-    panel's maker, ``correction`` its phase correction, a grey picture or a .npy in radians.
+    panel's maker, ``correction`` its phase correction, a grey picture, levels in a .csv, or radians in a .npy.
     """
+    if isinstance(params.get("turn"), int):
+        params["turn"] = str(params["turn"])
     cores = [a(Hologram, one, "to save") for one in holograms]
     files = {"lut": lut, "correction": correction}
     names = {name: os.fspath(file) for name, file in files.items() if file is not None}
-    done = {name: str(value) for name, value in params.items()}
+    done = {name: _text_of(name, value) for name, value in params.items()}
     done.update({name: os.path.basename(file) for name, file in names.items()})
     with watching(False) as watch:
         return list(

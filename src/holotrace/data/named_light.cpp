@@ -42,7 +42,8 @@ const std::vector<NamedLight>& named_lights() {
   static const std::vector<NamedLight> lights{
       {"HeNe", 632.8_nm, 0, "helium-neon laser, red line of neon: NIST Atomic Spectra Database, 632.82 nm"},
       {"HeNe yellow", 594.1_nm, 0, "helium-neon laser, yellow line of neon: NIST Atomic Spectra Database, 594.10 nm"},
-      {"HeNe green", 543.5_nm, 0, "helium-neon laser, green line of neon: NIST Atomic Spectra Database, 543.51 nm"},
+      {"HeNe green", 543.37_nm, 0,
+       "helium-neon laser, green line of neon: 543.516 nm in vacuum (BIPM), 543.365 nm in air"},
       {"HeCd", 441.6_nm, 0, "helium-cadmium laser, blue line of cadmium: NIST Atomic Spectra Database, 441.56 nm"},
       {"Ar 488", 488.0_nm, 0, "argon ion laser: NIST Atomic Spectra Database, 487.99 nm"},
       {"Ar 514", 514.5_nm, 0, "argon ion laser: NIST Atomic Spectra Database, 514.53 nm"},

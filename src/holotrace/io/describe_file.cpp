@@ -21,6 +21,7 @@
 #include "holotrace/io/files/text.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 
@@ -343,7 +344,7 @@ Json describe_file(const std::string& path, Outside outside) {
   if (extension == ".toml") return describe(load_job(path, outside));
   if (extension == ".ply") return describe_ply(path, outside);
   if (is_mesh_file(path)) return describe(load_meshes(path, outside));
-  if (is_hologram_file(path)) return describe_hologram(load_hologram(path));
+  if (is_hologram_file(path) || is_panel_table(path)) return describe_hologram(load_hologram(path));
   if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));
   if (is_field_file(path)) return describe(load_fields_double(path, outside));
   return describe(load_image(path));

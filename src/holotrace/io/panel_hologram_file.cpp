@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/slm_file.h"
 
@@ -10,7 +11,9 @@ namespace holotrace {
 
 PanelHologram load_panel_hologram(const std::string& path, const std::string& slm, const CompleteHologram& complete) {
   HologramParams given;
+  const bool has_levels = is_panel_table(path) && !is_hologram_file(path) && !slm.empty();  // those of its panel
   Hologram hologram = load_hologram(path, [&](HologramParams& of_file) {
+    if (has_levels) of_file.levels = load_slm(slm).levels;
     if (complete) complete(of_file);
     given = of_file;
   });

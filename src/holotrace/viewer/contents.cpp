@@ -13,6 +13,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/progress_file.h"
 #include "holotrace/io/panel_hologram_file.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
@@ -201,8 +202,8 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
     add_folder(path, params, contents);
     return contents;
   }
-  if (paths.size() > 1 || is_hologram_file(path) ||
-      is_one_of(extension_of(path), {".png", ".bmp", ".tif", ".tiff", ".csv"})) {
+  if (paths.size() > 1 || is_hologram_file(path) || is_panel_table(path) ||
+      is_one_of(extension_of(path), {".png", ".bmp", ".tif", ".tiff"})) {
     contents.kind = "holograms";
     add_holograms(paths, params, contents);
     return contents;

@@ -192,7 +192,7 @@ std::vector<size_t> Session::chosen(const ViewState& state) const {
   return state.is_draft ? first_frames(items, contents_->items) : items;
 }
 
-std::optional<TakenView> Session::take(const ViewState& given, const std::function<bool()>& is_outdated) {
+std::optional<TakenView> Session::take(const ViewState& given, const std::function<bool()>& is_outdated, bool is_kept) {
   const ViewState state = given.is_draft ? coarser(given) : given;
   const std::string key = key_of(state);
   if (!given.is_draft && last_ && last_->key == key) return last_->view;
@@ -243,7 +243,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
   taken.white = keeps_white ? last_->view.white : common_white(images, state.camera.exposure);
   read_views(images, taken.white, ViewKind::distance, state.camera);
   taken.image = std::move(images.front());
-  if (!given.is_draft) last_ = Kept{key, taken};
+  if (!given.is_draft && is_kept) last_ = Kept{key, taken};
   return taken;
 }
 

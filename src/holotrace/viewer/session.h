@@ -85,7 +85,8 @@ class Session {
   std::string file(const ViewState& state, const std::string& extension);
 
   /// The views of a sweep from a distance or x of the eye to another [m] as bytes of an animation, as `holotrace show --sweep`
-  /// writes it. @param ending  one of animation_endings @throws Error also as check_animation does
+  /// writes it. @param ending  one of animation_endings @throws Error also as check_animation does, and if the files are written
+  /// again meanwhile
   std::string film(const ViewState& state, Sweep sweep, double from, double to, const std::string& ending);
 
   /// The command line of `holotrace show` that gives the view of a query; "" if its holograms are not in files.
@@ -97,7 +98,7 @@ class Session {
   std::string report();
 
  private:
-  std::optional<TakenView> take(const ViewState& state, const std::function<bool()>& is_outdated);
+  std::optional<TakenView> take(const ViewState& state, const std::function<bool()>& is_outdated, bool is_kept = true);
   std::vector<size_t> chosen(const ViewState& state) const;
   struct Compared {
     TakenView view;

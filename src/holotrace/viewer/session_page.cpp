@@ -103,6 +103,7 @@ std::string Session::film(const ViewState& state, Sweep sweep, double from, doub
   camera.sweep_to = to;
   std::vector<Image> images;
   double white = 0;
+  int readings = 0;
   for (const Viewpoint& at : viewpoints(camera)) {
     if (at.kind != ViewKind::sweep) continue;
     ViewState still = state;
@@ -111,9 +112,11 @@ std::string Session::film(const ViewState& state, Sweep sweep, double from, doub
     still.camera.sweep = Sweep::none;
     still.camera.distances = {at.distance};
     const std::lock_guard lock(mutex_);  // of each view: others are answered between them
-    TakenView view = *take(still, {});
+    if (images.empty()) readings = readings_;
+    require(readings == readings_, "the files were written again while their film was made; ask for it again");
+    const TakenView view = *take(still, {}, false);
     white = std::max(white, view.white);
-    images.push_back(std::move(view.image));
+    images.push_back(shrunk_to(view.image, widest_animation));
   }
   save_animation(path, images, white, camera.sweep_seconds);
   std::ifstream in(path, std::ios::binary);

@@ -123,11 +123,13 @@ TEST(HologramFile, TablesOfOtherProgramsAreHolograms) {
   EXPECT_EQ(load_hologram(csv).levels, 256);
   EXPECT_EQ(load_hologram(csv).level(1, 1), 255);
   const std::string fine = make_file("h.csv", "0,64\n128,1023\n");
+  EXPECT_EQ(error_of([&] { load_hologram(fine); }),
+            fine + ": expected the number of levels of this table, which reach 1023; give --levels");
   const Hologram santec = load_hologram(fine, [](HologramParams& params) { params.levels = 1024; });
   EXPECT_EQ(santec.level(1, 1), 1023);
   EXPECT_NE(error_of([&] {
               load_hologram(fine, [](HologramParams& params) { params.levels = 512; });
-            }).find("expected the values of 512 levels, got 1023 at row 1, column 1"),
+            }).find("expected the values of 512 levels, got 1023 at row 1, column 1; give their number (--levels)"),
             std::string::npos);
   std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 4), }";
   header.resize(117, ' ');
@@ -138,6 +140,30 @@ TEST(HologramFile, TablesOfOtherProgramsAreHolograms) {
   EXPECT_EQ(std::vector<uint16_t>(loaded.level.values.begin(), loaded.level.values.end()),
             (std::vector<uint16_t>{0, 64, 192, 64}));
   EXPECT_EQ(load_hologram(npy, [](HologramParams& params) { params.levels = 4; }).level(0, 2), 3);
+  const auto as_amplitude = [](HologramParams& params) { params.modulation = Modulation::amplitude; };
+  EXPECT_NE(error_of([&] { load_hologram(npy, as_amplitude); }).find("expected amplitudes of 0 to 1, got 1.57"),
+            std::string::npos);
+  header.replace(header.find("(1, 4)"), 6, "(1, 2)");
+  const float amplitudes[] = {0.5F, 1};
+  const std::string modulus = make_file("a.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + "\n" +
+                                                     std::string(reinterpret_cast<const char*>(amplitudes), 8));
+  EXPECT_EQ(load_hologram(modulus, as_amplitude).level(0, 0), 128);  // 127.5
+  EXPECT_EQ(load_hologram(modulus, as_amplitude).level(0, 1), 255);
+}
+
+// JSON of other programs beside a picture, and metadata of what was there before.
+TEST(HologramFile, MetadataBesideAFileAreItsOwn) {
+  const std::string path = temporary("h.bmp");
+  save_panel_image(path, {2, 1, 1, 8, {3, 4}});
+  write_text(old_sidecar_path(path), R"({"a": 1})");
+  write_text(sidecar_path(path), R"({"kind": 1})");
+  EXPECT_EQ(load_hologram(path).level(0, 1), 4);
+  save_hologram(path, all_levels(16, Modulation::phase));
+  EXPECT_EQ(load_hologram(path).levels, 16);
+  save_panel_image(path, {16, 1, 1, 8, std::vector<uint16_t>(16, 16)});  // by another program
+  EXPECT_EQ(error_of([&] { load_hologram(path); }), path + ": expected the levels of which " + sidecar_path(path) +
+                                                        " has the metadata, got others; remove " + sidecar_path(path) +
+                                                        " if another program has written " + path);
 }
 
 TEST(HologramFile, AColouredPictureHoldsThreeHolograms) {
@@ -355,7 +381,7 @@ TEST(HologramFile, WhatIsNoHologramIsRefused) {
   EXPECT_EQ(
       error_of([&] { load_hologram(coloured); }),
       coloured +
-          ": expected a grey hologram, got a coloured pixel at row 0, column 1; name the channel, red, green or blue");
+          ": expected a grey hologram, got a coloured pixel at row 0, column 1; name the channel (--channel red, green or blue)");
   EXPECT_EQ(
       error_of([] { save_hologram("h.jpg", all_levels(2, Modulation::phase)); }),
       "expected a hologram file .png, .bmp, .tif, .npy or .csv, got h.jpg, and a JPEG would change the levels of its pixels; change its "

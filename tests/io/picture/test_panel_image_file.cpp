@@ -88,13 +88,16 @@ TEST(PanelImageFile, TablesOfOtherProgramsAreRead) {
     EXPECT_EQ(std::vector<double>(table.values.values.begin(), table.values.values.end()),
               (std::vector<double>{1, 2, 3, 1023}))
         << text;
-    EXPECT_FALSE(table.are_phases);
+    EXPECT_FALSE(table.are_floats);
   }
   for (const auto& [text, words] : {std::pair{"1,2\n3\n", ":2: expected 2 values, as in the first line, got 1"},
                                     {"1,2\n3,x\n", ":2: expected numbers, got \"3,x\""},
-                                    {"Y/X,0\n1,5\n", "expected the rows 0, 1, 2, … in order, got 1 after 0"},
+                                    {"Y/X,0\n1,5\n", ":2: expected the row 0, got 1"},
                                     {"Y/X,0\n", ": expected a table of levels, got no numbers"},
-                                    {"Y/X\n0\n", "expected columns of levels, got only the numbers of the rows"}})
+                                    {"Y/X\n0\n", ":2: expected levels behind the number of the row, got none"},
+                                    {"Y/X\n,\n", ": expected a table of levels, got no numbers"},
+                                    {"1,2\n,\n", ":2: expected numbers, got \",\""},
+                                    {"1,2,3\n4,,6\n", ":2: expected numbers, got \"4,,6\""}})
     EXPECT_NE(error_of([&] { read(text); }).find(words), std::string::npos) << text << error_of([&] { read(text); });
 
   // [[1, 2, 3]] as int64, [[1], [2]] in Fortran order as float64, and a type that holds no numbers.
@@ -111,7 +114,7 @@ TEST(PanelImageFile, TablesOfOtherProgramsAreRead) {
   const PanelTable floats =
       load_panel_table(npy("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 2), }",
                            from_bytes({0, 0, 0x80, 0x3F, 0, 0, 0, 0x40, 0, 0, 0x40, 0x40, 0, 0, 0x80, 0x40})));
-  EXPECT_TRUE(floats.are_phases);
+  EXPECT_TRUE(floats.are_floats);
   EXPECT_EQ(floats.values(0, 1), 3);  // 1, 2 are the first column
   EXPECT_NE(error_of([&] {
               load_panel_table(npy("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 1), }", "12345678"));
@@ -133,6 +136,8 @@ TEST(PanelImageFile, LevelTablesOfMakersAreRead) {
                                     {"0.5\n", ":1: expected a whole number of 0 to 65535, got 0.5"},
                                     {"70000\n", ":1: expected a whole number of 0 to 65535, got 70000"},
                                     {"1 2 3\n", ":1: expected a value, or a grey and its value, got 3 numbers"},
+                                    {",\n", ": expected a level table, got no numbers"},
+                                    {"0\n;;\n", ":2: expected numbers, got \";;\""},
                                     {"", ": expected a level table, got no numbers"}})
     EXPECT_NE(error_of([&] { read(text); }).find(words), std::string::npos) << text;
 }
@@ -141,19 +146,49 @@ TEST(PanelImageFile, CorrectionsAreCycles) {
   for (const auto& [bits, full] : {std::pair{8, 256.0F}, {16, 65536.0F}}) {
     const std::string path = temporary("c.tif");
     save_panel_image(path, {2, 1, 1, bits, {0, 200}});
-    const Array2D<float> cycles = load_correction(path);
+    const Array2D<float> cycles = load_correction(path, 256);
     EXPECT_EQ(cycles.values[0], 0);
     EXPECT_EQ(cycles.values[1], 200 / full);
   }
   const std::string coloured = temporary("c.bmp");
   save_panel_image(coloured, {1, 1, 3, 8, {1, 2, 3}});
   EXPECT_NE(error_of([&] {
-              load_correction(coloured);
+              load_correction(coloured, 256);
             }).find("expected a grey correction, got a coloured pixel at row 0, column 0"),
             std::string::npos);
   const std::string whole = temporary("c.npy");
   save_panel_image(whole, {1, 1, 1, 8, {3}});
-  EXPECT_NE(error_of([&] { load_correction(whole); }).find("expected phases in radians as floats"), std::string::npos);
+  EXPECT_NE(error_of([&] { load_correction(whole, 256); }).find("expected phases in radians as floats"),
+            std::string::npos);
+}
+
+// Santec's own corrections: levels of a panel of 1024.
+TEST(PanelImageFile, CorrectionsMayBeLevels) {
+  const Array2D<float> cycles = load_correction(make_file("c.csv", "Y/X,0,1\n0,256,1023\n"), 1024);
+  EXPECT_EQ(cycles.values[0], 0.25F);
+  EXPECT_EQ(cycles.values[1], 1023 / 1024.0F);
+  EXPECT_NE(error_of([&] { load_correction(make_file("c.jpg", "any"), 256); }).find("without loss, got a JPEG"),
+            std::string::npos);
+}
+
+TEST(PanelImageFile, ThreeChannelsOfNumPyComeBack) {
+  const std::string path = temporary("c.npy");
+  save_panel_image(path, {2, 1, 3, 8, {1, 2, 3, 4, 5, 6}});
+  const PanelTable table = load_panel_table(path);
+  EXPECT_EQ(table.channels, 3);
+  EXPECT_EQ(std::vector<double>(table.values.values.begin(), table.values.values.end()),
+            (std::vector<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_TRUE(is_panel_table(path));
+  EXPECT_FALSE(is_panel_table(make_file("f.npy", std::string("\x93NUMPY\x01\x00\x46\x00", 10) + "{'descr': '<c8', ")));
+}
+
+// Only metadata of this program are replaced.
+TEST(PanelImageFile, MetadataOfOthersAreNotOurs) {
+  const std::string path = make_file("p.bmp", "any");
+  write_text(sidecar_path(path), R"({"kind": 1})");
+  EXPECT_TRUE(record_beside(path).empty());
+  write_text(sidecar_path(path), R"({"kind": "panel-image"})");
+  EXPECT_EQ(record_beside(path), (FileRecord{{"p.bmp.json", 23}}));
 }
 
 TEST(PanelImageFile, WhatAFormatCannotHoldIsRefused) {

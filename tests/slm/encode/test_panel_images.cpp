@@ -83,6 +83,56 @@ TEST(PanelImages, LensHasTheFocalLengthAndItsSign) {
   }
 }
 
+// The maker's map is of the panel's pixels as they are sent; blaze and lens are of the hologram, and turn with it. The table is
+// last: here it doubles greys.
+TEST(PanelImages, CorrectionBelongsToThePanelAndBlazeToTheHologram) {
+  const Hologram hologram = of_levels(1, 3, {10, 20, 30});
+  PanelImageParams params;
+  params.turn = Turn::quarter;
+  PanelTables tables;
+  tables.correction = Array2D<float>(3, 1);
+  tables.correction.values = {1 / 256.0F, 2 / 256.0F, 3 / 256.0F};
+  EXPECT_EQ(sent(hologram, params, tables), (std::vector<uint16_t>{31, 22, 13}));
+  params.blaze = {4 * pitch_of_panel};  // x = −1, 0, 1 pixels: −64, 0 and 64 levels
+  EXPECT_EQ(sent(hologram, params, tables), (std::vector<uint16_t>{95, 22, 205}));
+  for (int grey = 0; grey < 256; ++grey) tables.lut.push_back(uint16_t(2 * grey));
+  EXPECT_EQ(sent(hologram, params, tables), (std::vector<uint16_t>{190, 44, 410}));
+  tables.correction = Array2D<float>(1, 3);
+  EXPECT_EQ(
+      error_of([&] { sent(hologram, params, tables); }),
+      "expected a correction of 1 × 3 pixels, as the picture for the panel has, got 3 × 1; take that of this panel");
+}
+
+TEST(PanelImages, WarnOfWhatLevelsAllowForAlready) {
+  Hologram hologram = of_levels(1, 2, {0, 1});
+  hologram.slm = Slm{};
+  hologram.slm->grid = hologram.grid;
+  hologram.slm->effects.aberration = {{2, 0, 0.1}};
+  hologram.effects = {"aberration"};
+  std::vector<std::string> warnings;
+  Observer observer;
+  observer.on_warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  PanelTables tables;
+  tables.lut.resize(256);
+  panel_images({hologram}, {}, tables, PanelValue::grey, observer);
+  EXPECT_TRUE(warnings.empty());
+  tables.correction = Array2D<float>(1, 2);
+  panel_images({hologram}, {}, tables, PanelValue::grey, observer);
+  EXPECT_EQ(
+      warnings.at(0),
+      "the levels of the hologram allow for the panel's aberration already, and the correction does so a second time; "
+      "leave one of them out");
+}
+
+TEST(PanelImages, LevelsBeyondThePanelAreRefused) {
+  PanelImageParams params;
+  params.blaze = {4 * pitch_of_panel};
+  EXPECT_EQ(error_of([&] {
+              sent(of_levels(1, 2, {0, 9999}), params);
+            }),
+            "expected levels below 256 in a hologram for a panel, got 9999");
+}
+
 TEST(PanelImages, CorrectionWrapsAfterAFullCycle) {
   const Hologram hologram = of_levels(1, 3, {250, 0, 128});
   PanelTables tables;
@@ -208,8 +258,9 @@ TEST(PanelImages, WhatAPanelCannotShowIsRefused) {
   hologram.modulation = Modulation::phase;
   PanelTables tables;
   tables.correction = Array2D<float>(1, 99);
-  EXPECT_EQ(error_of([&] { sent(hologram, {}, tables); }),
-            "expected a correction of 100 × 1 pixels, as the hologram has, got 99 × 1; take that of this panel");
+  EXPECT_EQ(
+      error_of([&] { sent(hologram, {}, tables); }),
+      "expected a correction of 100 × 1 pixels, as the picture for the panel has, got 99 × 1; take that of this panel");
   hologram.modulation = Modulation::complex;
   EXPECT_NE(error_of([&] { sent(hologram, {}); }).find("got one of both"), std::string::npos);
   EXPECT_EQ(error_of([&] { panel_images({}, {}, {}, PanelValue::grey); }),

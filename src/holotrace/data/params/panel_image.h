@@ -38,10 +38,11 @@ void describe(Visitor&& v, PanelImageParams& p) {
            "counterclockwise turn of the picture for the panel in degrees, after flip and transpose"));
   v(lengths(
       "blaze", p.blaze, range::any,
-      "period of an added blazed grating along x, or along x and y (\"80 -160 um\"); light goes toward positive x and y, or "
-      "for negative periods the other way; 0 m: none"));
-  v(length("lens", p.lens, range::any,
-           "focal length of an added lens, which converges if positive and diverges if negative; 0 m: none"));
+      "period of an added blazed grating along x, or along x and y (\"80 -160 um\"); moves a real image toward positive x and y, by "
+      "distance x wavelength / period, and a virtual image the other way; 0 m: none"));
+  v(length(
+      "lens", p.lens, range::any,
+      "focal length f of an added lens, negative: a diverging one; moves an image from z to z' with 1/z' = 1/z + 1/f; 0 m: none"));
   v(choice(
       "pack", p.packing,
       {{"none", Packing::none},

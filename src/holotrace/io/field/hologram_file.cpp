@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <variant>
@@ -32,27 +33,31 @@ constexpr const char* metadata_name = "holotrace";
 
 // The values of a hologram's file before it is known what they mean.
 struct StoredLevels {
-  enum class Kind { greys, levels, phases };
+  enum class Kind { greys, levels, floats };
   Kind kind = Kind::greys;
   int nx = 0, ny = 0, bits = 8, channels = 1;
+  int levels = 256;              ///< their number, if neither metadata nor the caller say it; 0: it must be said
   std::string metadata{};        ///< empty if the file has none
   std::vector<double> values{};  ///< [row][column][channel]
 
   double at(size_t pixel, Channel channel) const {
     return values[pixel * size_t(channels) + (channels > 2 ? size_t(std::max(0, int(channel) - 1)) : 0)];
   }
+  double greatest() const { return values.empty() ? 0 : *std::max_element(values.begin(), values.end()); }
   std::string place_of(size_t pixel) const {
     return fmt::format("row {}, column {}", pixel / size_t(nx), pixel % size_t(nx));
   }
 };
 
 StoredLevels read_table_of_levels(const std::string& path) {
-  PanelTable table = load_panel_table(path);
-  StoredLevels stored{.kind = table.are_phases ? StoredLevels::Kind::phases : StoredLevels::Kind::levels,
-                      .nx = table.values.nx,
-                      .ny = table.values.ny};
+  const PanelTable table = load_panel_table(path);
+  StoredLevels stored{.kind = table.are_floats ? StoredLevels::Kind::floats : StoredLevels::Kind::levels,
+                      .nx = table.values.nx / table.channels,
+                      .ny = table.values.ny,
+                      .channels = table.channels};
+  if (extension_of(path) == ".csv") stored.kind = StoredLevels::Kind::levels;
   stored.values.assign(table.values.values.begin(), table.values.values.end());
-  if (!stored.values.empty() && *std::max_element(stored.values.begin(), stored.values.end()) > 255) stored.bits = 16;
+  if (stored.kind == StoredLevels::Kind::levels) stored.levels = table.are_bits ? 2 : stored.greatest() > 255 ? 0 : 256;
   return stored;
 }
 
@@ -69,6 +74,7 @@ StoredLevels read_stored_levels(const std::string& path) {
                       .bits = picture->type == SampleType::bits_8 ? 8 : 16,
                       .channels = int(picture->channels.size()),
                       .metadata = picture->text(metadata_name)};
+  stored.levels = stored.bits == 8 ? 256 : 65536;
   std::visit([&](const auto& samples) { stored.values.assign(samples.begin(), samples.end()); }, picture->samples);
   return stored;
 }
@@ -104,15 +110,27 @@ void write_levels(const std::string& path, const Array2D<uint16_t>& levels_of_pi
   write_png(path, header, image.bits == 8 ? static_cast<const void*>(bytes.data()) : image.values.data());
 }
 
+// The level nearest to a phase [rad], or to an amplitude of 0 to 1.
+template <class Place>
+uint16_t level_of_float(double value, int levels, Modulation modulation, const std::string& path, const Place& place) {
+  if (modulation == Modulation::amplitude) {
+    require(value >= 0 && value <= 1, "{}: expected amplitudes of 0 to 1, got {} at {}", path, value, place());
+    return uint16_t(std::lround(value * (levels - 1)));
+  }
+  require(std::isfinite(value), "{}: expected finite phases, got {} at {}", path, value, place());
+  const double turns = value / (2 * pi);
+  return uint16_t(std::lround((turns - std::floor(turns)) * levels) % levels);
+}
+
 /// The levels that the values of a file mean.
-/// @param source  file with the number of levels, for errors
+/// @param source  file whose metadata have the number of levels, for errors; "": none
 /// @throws Error naming `path` for a value that is no level
 Array2D<uint16_t> levels_of(const StoredLevels& stored, Channel channel, int levels, Modulation modulation,
                             const std::string& path, const std::string& source) {
   if (channel == Channel::grey) {
     if (const std::optional<size_t> coloured = first_coloured(stored))
-      fail("{}: expected a grey hologram, got a coloured pixel at {}; name the channel, red, green or blue", path,
-           stored.place_of(*coloured));
+      fail("{}: expected a grey hologram, got a coloured pixel at {}; name the channel (--channel red, green or blue)",
+           path, stored.place_of(*coloured));
   } else {
     require(stored.channels >= 3,
             "{}: expected a coloured picture for its channel {}, got a grey one; leave out the channel", path,
@@ -124,10 +142,8 @@ Array2D<uint16_t> levels_of(const StoredLevels& stored, Channel channel, int lev
   const double scale = stored.kind == StoredLevels::Kind::greys ? greys_per_level(levels, modulation, stored.bits) : 1;
   for (size_t i = 0; i < out.size(); ++i) {
     const double value = stored.at(i, channel);
-    if (stored.kind == StoredLevels::Kind::phases) {
-      require(std::isfinite(value), "{}: expected finite phases, got {} at {}", path, value, stored.place_of(i));
-      const double turns = value / (2 * pi);
-      out.values[i] = uint16_t(std::lround((turns - std::floor(turns)) * levels) % levels);
+    if (stored.kind == StoredLevels::Kind::floats) {
+      out.values[i] = level_of_float(value, levels, modulation, path, [&] { return stored.place_of(i); });
       continue;
     }
     const double level = std::round(value / scale);
@@ -213,13 +229,22 @@ void read_hologram(const nlohmann::json& json, const std::string& path, const st
   }
 }
 
+// The sum of all levels: metadata beside a file know by it whether another program has written the file again.
+uint64_t sum_of(const Array2D<uint16_t>& levels) {
+  return std::accumulate(levels.values.begin(), levels.values.end(), uint64_t(0));
+}
+
 // Longer texts than this are not read by libpng.
 constexpr size_t longest_text = 7'000'000;
 
-// The metadata beside a PNG without text, under its name or the one of earlier versions; empty if there is none.
+// The metadata beside a file; empty if there are none. Earlier versions wrote some beside a PNG, also as NAME.json. Beside other
+// files there may be JSON of other programs.
 std::string hologram_sidecar(const std::string& path) {
-  for (const std::string& sidecar : {sidecar_path(path), old_sidecar_path(path)})
-    if (is_there(sidecar)) return sidecar;
+  const std::string sidecar = sidecar_path(path);
+  if (extension_of(path) != ".png")
+    return is_file(sidecar) && has_kind(parse_json_if_sound(read_text(sidecar, most_text))) ? sidecar : "";
+  for (const std::string& one : {sidecar, old_sidecar_path(path)})
+    if (is_there(one)) return one;
   return "";
 }
 
@@ -259,7 +284,7 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
   check_levels(hologram.levels, path);
   require(hologram.level.nx > 0 && hologram.level.ny > 0, "expected a hologram with pixels to save as {}, got {} × {}",
           path, hologram.level.nx, hologram.level.ny);
-  MetadataWriter writer{.json = {{"kind", "hologram"}}};
+  MetadataWriter writer{.json = {{"kind", hologram_kind}}};
   members(writer, const_cast<Hologram&>(hologram));
   nlohmann::ordered_json& json = writer.json;
   if (hologram.slm && hologram.slm->effects.phase_map) {
@@ -283,8 +308,10 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
   }
   if (const FileRecord record = files ? files() : FileRecord(); !record.empty())
     json["files"] = record_json(record_inside(path, record));
+  const bool is_png = extension_of(path) == ".png";
+  if (!is_png) json["level_sum"] = sum_of(hologram.level);
   const std::string text = json.dump(-1, ' ', true);  // ASCII, as PNG asks for
-  const bool is_inside = extension_of(path) == ".png" && text.size() <= longest_text;
+  const bool is_inside = is_png && text.size() <= longest_text;
   if (!is_inside) write_text(sidecar_path(path), text + "\n");
   write_levels(path, hologram.level, hologram.levels, hologram.modulation, is_inside ? text : "");
 }
@@ -345,7 +372,7 @@ Hologram load_hologram(const std::string& path, const CompleteHologram& complete
   check_file_exists(path, "a hologram");
   const StoredLevels stored = read_stored_levels(path);
   Hologram hologram;
-  hologram.levels = stored.bits == 8 ? 256 : 65536;
+  hologram.levels = stored.levels;
   hologram.grid.nx = stored.nx;
   hologram.grid.ny = stored.ny;
   const Metadata metadata = metadata_of(path);
@@ -368,7 +395,14 @@ Hologram load_hologram(const std::string& path, const CompleteHologram& complete
     if (hologram.wavelength == 0) hologram.wavelength = given.wavelength;
     channel = given.channel;
   }
-  hologram.level = levels_of(stored, channel, hologram.levels, hologram.modulation, path, metadata.file);
+  require(hologram.levels > 0, "{}: expected the number of levels of this table, which reach {}; give --levels", path,
+          stored.greatest());
+  hologram.level =
+      levels_of(stored, channel, hologram.levels, hologram.modulation, path, has_metadata ? metadata.file : "");
+  require(
+      !metadata.json.contains("level_sum") || metadata.json["level_sum"] == sum_of(hologram.level),
+      "{0}: expected the levels of which {1} has the metadata, got others; remove {1} if another program has written {0}",
+      path, metadata.file);
   if (hologram.modulation == Modulation::complex) {
     const std::string modulus = modulus_path(path);
     check_file_exists(modulus, "the amplitudes of a complex hologram");

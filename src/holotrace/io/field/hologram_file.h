@@ -36,7 +36,7 @@ struct SeriesPart {
 void save_hologram(const std::string& path, const Hologram& hologram, const SeriesPart& part = {},
                    const std::function<FileRecord()>& files = {});
 
-/// Checks, before the work, that a hologram can be written. @throws Error for an ending other than .png
+/// Checks, before the work, that a hologram can be written. @throws Error for an ending that is not among panel_image_endings
 void check_hologram_path(const std::string& path);
 
 /// Writes a series of holograms into a set as NAME, NAME_2, …; the first one records the others.
@@ -61,8 +61,10 @@ ViewingConditions viewing_of_file(const std::string& path);
 using CompleteHologram = std::function<void(HologramParams&)>;
 
 /// Reads what save_hologram wrote, the sidecars NAME.json of earlier versions, and holograms of other programs: pictures, tables
-/// of levels, and .npy of phases as floats [rad], which become the nearest levels. Without metadata: a phase hologram of 256 or
-/// 65536 levels by the bits of the file, illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these.
+/// of levels, and .npy of floats, phases [rad] or amplitudes of 0 to 1, which become the nearest levels. Without metadata: a phase
+/// hologram of 256 or 65536 levels by the bits of a picture, of 2 for a .npy of true and false, of 256 for other tables up to 255;
+/// illumination 1 W/m², pitch 0 and wavelength 0; the caller sets these. Metadata beside a file count only if its levels are those that they
+/// were written for.
 /// @throws Error naming the file if it is neither, has colours and no channel is named, or has values that are no level; and if a
 ///         phase map or amplitudes that the metadata name are missing; for other levels or another modulation than
 ///         those of the metadata

@@ -16,6 +16,7 @@
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/output_set.h"
 #include "holotrace/io/picture/formats/formats.h"
+#include "holotrace/io/picture/panel_image_file.h"
 #include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
@@ -242,7 +243,9 @@ std::string text_in_image(const std::string& path, const char* name) {
 }
 
 FileRecord image_record(const std::string& path) {
-  return record_outside(path, record_from_text(text_in_image(path, record_name)));
+  FileRecord record = record_outside(path, record_from_text(text_in_image(path, record_name)));
+  record.merge(record_beside(path));  // a picture for a panel was there
+  return record;
 }
 
 namespace {

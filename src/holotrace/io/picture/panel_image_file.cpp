@@ -37,9 +37,6 @@ void write_panel_npy(const std::string& path, const PanelImage& image, const voi
 }
 
 void write_panel_csv(const std::string& path, const PanelImage& image) {
-  require(image.channels == 1,
-          "expected one channel for the table {}, got {}; write a .bmp, .png, .tif or .npy, or leave out pack", path,
-          image.channels);
   std::string text = "Y/X";
   for (int i = 0; i < image.columns; ++i) text += fmt::format(",{}", i);
   text += '\n';
@@ -52,72 +49,82 @@ void write_panel_csv(const std::string& path, const PanelImage& image) {
   write_text(path, text);
 }
 
-// The numbers of a line; nothing where it has other words.
-std::optional<std::vector<double>> numbers_in(std::string_view line) {
-  std::vector<double> numbers;
-  constexpr std::string_view separators = ",; \t";
-  while (true) {
-    line.remove_prefix(std::min(line.find_first_not_of(separators), line.size()));
-    if (line.empty()) return numbers;
-    double value = 0;
-    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-    const auto length = size_t(end - line.data());
-    if (error != std::errc() || (length < line.size() && separators.find(line[length]) == line.npos))
-      return std::nullopt;
-    numbers.push_back(value);
-    line.remove_prefix(length);
-  }
+// The number that a cell is; nothing for other words and for an empty cell.
+std::optional<double> number_in_cell(std::string_view cell) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
+  return value;
 }
 
-// Calls `add` with the numbers of each line and its place, "FILE:3: ". Headings may be before the first line of numbers.
-// @return  the first of these
+// The numbers of a line, one or more; nothing where it has other words. Cells end at commas or semicolons, of which one may
+// end the line, else at blanks.
+std::optional<std::vector<double>> numbers_in(std::string_view line) {
+  const bool has_marks = line.find_first_of(",;") != line.npos;
+  std::vector<double> numbers;
+  while (!line.empty()) {
+    const size_t end = std::min(line.find_first_of(has_marks ? ",;" : " \t"), line.size());
+    const std::string_view cell = trimmed(line.substr(0, end));
+    line.remove_prefix(std::min(end + 1, line.size()));
+    if (cell.empty() && !has_marks) continue;
+    const std::optional<double> number = number_in_cell(cell);
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  if (numbers.empty()) return std::nullopt;
+  return numbers;
+}
+
+// Calls add(numbers, place, is_counted) for each line: its place is "FILE:3: ", and it is counted if a heading says that the first
+// number is that of the row, as in Santec's files. Headings may be before the first line of numbers.
 template <class Add>
-std::string each_line_of_numbers(const std::string& path, const Add& add) {
-  const std::string text = read_lines(path, UINT64_MAX);
+void each_line_of_numbers(const std::string& path, const Add& add) {
+  constexpr uint64_t most = uint64_t(1) << 30;  // 100 million levels
+  const std::string text = read_lines(path, most);
+  require_memory(5 * double(text.size()), path);  // the text, and 8 bytes for 2 characters or more
   std::string_view rest = text, line;
-  std::string heading;
-  bool has_numbers = false;
+  bool has_numbers = false, is_counted = false;
   for (int number = 1; next_line(rest, line); ++number) {
     const std::string_view words = trimmed(without_comment(line));
     if (words.empty()) continue;
     const std::string place = fmt::format("{}:{}: ", path, number);
     const std::optional<std::vector<double>> numbers = numbers_in(words);
     require(numbers.has_value() || !has_numbers, "{}expected numbers, got \"{}\"", place, words.substr(0, 40));
-    if (!numbers && heading.empty()) heading = words;
+    is_counted = is_counted || (!numbers && words.starts_with("Y/X"));
     has_numbers = has_numbers || numbers;
-    if (numbers) add(*numbers, place);
+    if (numbers) add(*numbers, place, is_counted);
   }
-  return heading;
 }
 
 PanelTable read_panel_csv(const std::string& path) {
-  std::vector<std::vector<double>> rows;
-  const std::string heading =
-      each_line_of_numbers(path, [&](const std::vector<double>& numbers, const std::string& place) {
-        const size_t columns = rows.empty() ? numbers.size() : rows.front().size();
-        require(numbers.size() == columns, "{}expected {} values, as in the first line, got {}", place, columns,
-                numbers.size());
-        rows.push_back(numbers);
-      });
-  require(!rows.empty(), "{}: expected a table of levels, got no numbers", path);
-  const bool counts_rows = heading.starts_with("Y/X");
-  const size_t first = counts_rows ? 1 : 0, columns = rows.front().size() - first;
-  require(columns > 0, "{}: expected columns of levels, got only the numbers of the rows", path);
-  PanelTable table{{int(rows.size()), int(columns)}, false};
-  for (size_t j = 0; j < rows.size(); ++j) {
-    require(!counts_rows || rows[j][0] == double(j), "{}: expected the rows 0, 1, 2, … in order, got {} after {}", path,
-            rows[j][0], j);
-    std::copy(rows[j].begin() + int64_t(first), rows[j].end(), table.values.row(int(j)));
-  }
+  std::vector<double> values;
+  size_t columns = 0, rows = 0;
+  bool counts_rows = false;
+  each_line_of_numbers(path, [&](const std::vector<double>& numbers, const std::string& place, bool is_counted) {
+    if (rows == 0) columns = numbers.size();
+    counts_rows = is_counted;
+    require(numbers.size() == columns, "{}expected {} values, as in the first line, got {}", place, columns,
+            numbers.size());
+    require(!is_counted || columns > 1, "{}expected levels behind the number of the row, got none", place);
+    require(!is_counted || numbers[0] == double(rows), "{}expected the row {}, got {}", place, rows, numbers[0]);
+    values.insert(values.end(), numbers.begin() + (is_counted ? 1 : 0), numbers.end());
+    ++rows;
+  });
+  require(rows > 0, "{}: expected a table of levels, got no numbers", path);
+  PanelTable table{{int(rows), int(columns) - (counts_rows ? 1 : 0)}};
+  std::copy(values.begin(), values.end(), table.values.values.begin());
   return table;
 }
 
 // The samples of a .npy as doubles, for one of the types that hold real numbers.
 template <class Number>
-void copy_numbers(const char* from, bool is_fortran, Array2D<double>& to) {
+void copy_numbers(const char* from, bool is_fortran, int channels, Array2D<double>& to) {
+  const size_t columns = size_t(to.nx / channels);
   for (int j = 0; j < to.ny; ++j)
     for (int i = 0; i < to.nx; ++i) {
-      const size_t at = is_fortran ? size_t(i) * size_t(to.ny) + size_t(j) : size_t(j) * size_t(to.nx) + size_t(i);
+      const size_t column = size_t(i / channels), channel = size_t(i % channels);
+      const size_t at =
+          is_fortran ? (channel * columns + column) * size_t(to.ny) + size_t(j) : size_t(j) * size_t(to.nx) + size_t(i);
       Number number;
       std::memcpy(&number, from + at * sizeof number, sizeof number);
       to(j, i) = double(number);
@@ -130,7 +137,7 @@ PanelTable read_panel_npy(const std::string& path) {
   struct Type {
     std::string_view name;
     size_t size;
-    void (*copy)(const char*, bool, Array2D<double>&);
+    void (*copy)(const char*, bool, int, Array2D<double>&);
     bool is_float;
   };
   constexpr Type types[] = {{"|b1", 1, copy_numbers<uint8_t>, false},  {"|u1", 1, copy_numbers<uint8_t>, false},
@@ -144,15 +151,18 @@ PanelTable read_panel_npy(const std::string& path) {
           "{}: expected levels as whole numbers, or phases as floats, got the type '{}'; convert it with numpy.astype",
           path, header.dtype);
   const std::vector<int64_t>& shape = header.shape;
-  require(shape.size() == 2 && shape[0] > 0 && shape[1] > 0 && shape[0] < 1 << 30 && shape[1] < 1 << 30,
-          "{}: expected the shape (rows, columns), got {}", path, format_shape(shape));
-  const double expected = double(shape[0]) * double(shape[1]) * double(type->size);
+  const bool has_channels = shape.size() == 3 && shape[2] == 3;
+  require(
+      (shape.size() == 2 || has_channels) && shape[0] > 0 && shape[1] > 0 && shape[0] < 1 << 28 && shape[1] < 1 << 28,
+      "{}: expected the shape (rows, columns) or (rows, columns, 3), got {}", path, format_shape(shape));
+  const int channels = has_channels ? 3 : 1;
+  const double numbers = double(shape[0]) * double(shape[1]) * channels, expected = numbers * double(type->size);
   require(double(bytes.size() - header.data_begin) == expected,
           "{}: expected {} bytes of numbers for shape {}, got {}; the file is truncated or damaged, write it again",
           path, expected, format_shape(shape), bytes.size() - header.data_begin);
-  require_memory(double(shape[0]) * double(shape[1]) * sizeof(double), path);
-  PanelTable table{{int(shape[0]), int(shape[1])}, type->is_float};
-  type->copy(bytes.data() + header.data_begin, header.fortran_order, table.values);
+  require_memory(numbers * sizeof(double), path);
+  PanelTable table{{int(shape[0]), int(shape[1]) * channels}, channels, type->is_float, type->name == "|b1"};
+  type->copy(bytes.data() + header.data_begin, header.fortran_order, channels, table.values);
   return table;
 }
 
@@ -168,7 +178,23 @@ bool holds_levels(const std::string& path) {
   return ending == ".npy" || ending == ".csv";
 }
 
+void check_panel_image(const std::string& path, const PanelImage& image) {
+  const std::string ending = extension_of(path);
+  const std::vector<std::string>& known = panel_image_endings();
+  require(std::find(known.begin(), known.end(), ending) != known.end(),
+          "expected a file .png, .bmp, .tif, .npy or .csv for a panel, got {}; change its extension", path);
+  require(
+      ending != ".bmp" || image.bits == 8,
+      "expected values of 8 bits for the BMP {}, got 16 bits; write a .tif, .png, .npy or .csv, or use at most 256 levels and a "
+      "level table up to 255",
+      path);
+  require(ending != ".csv" || image.channels == 1,
+          "expected one channel for the table {}, got {}; write a .bmp, .png, .tif or .npy, or leave out pack", path,
+          image.channels);
+}
+
 void save_panel_image(const std::string& path, const PanelImage& image) {
+  check_panel_image(path, image);
   const std::string ending = extension_of(path);
   const std::vector<uint8_t> bytes(image.values.begin(), image.bits == 8 ? image.values.end() : image.values.begin());
   const void* samples = image.bits == 8 ? static_cast<const void*>(bytes.data()) : image.values.data();
@@ -178,13 +204,6 @@ void save_panel_image(const std::string& path, const PanelImage& image) {
     return write_tiff(path, image.columns, image.rows, image.channels, image.bits, samples);
   if (ending == ".npy") return write_panel_npy(path, image, samples);
   if (ending == ".csv") return write_panel_csv(path, image);
-  require(ending == ".bmp", "expected a file .png, .bmp, .tif, .npy or .csv for a panel, got {}; change its extension",
-          path);
-  require(
-      image.bits == 8,
-      "expected values of 8 bits for the BMP {}, got 16 bits; write a .tif, .png, .npy or .csv, or use at most 256 levels and a "
-      "level table up to 255",
-      path);
   write_bmp(path, image.columns, image.rows, image.channels, bytes.data());
 }
 
@@ -201,8 +220,13 @@ void save_panel_images(const OutputSet& set, const std::string& name, const std:
       std::erase_if(others, [&](const auto& file) { return file.first == name; });
       if (!others.empty()) json["files"] = record_json(record_inside(path, others));
     }
-    write_text(sidecar_path(path), json.dump(2) + "\n");
+    write_text(sidecar_path(path), json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
+}
+
+bool has_kind(const nlohmann::json& json) {
+  return json.is_object() && json.contains("kind") &&
+         (json["kind"] == panel_image_kind || json["kind"] == hologram_kind);
 }
 
 FileRecord record_beside(const std::string& path) {
@@ -211,7 +235,7 @@ FileRecord record_beside(const std::string& path) {
   std::ifstream file(sidecar, std::ios::binary);  // an output, so not by read_text, which notes inputs
   const std::string text(std::istreambuf_iterator<char>(file), {});
   const nlohmann::ordered_json json = parse_json_if_sound(text);
-  if (!json.is_object() || !json.contains("kind")) return {};
+  if (!has_kind(json)) return {};  // it is not ours
   FileRecord record;
   if (json.contains("files")) record = record_outside(path, record_from(json["files"]));
   record.emplace(sidecar.filename().string(), text.size());
@@ -223,10 +247,20 @@ PanelTable load_panel_table(const std::string& path) {
   return extension_of(path) == ".csv" ? read_panel_csv(path) : read_panel_npy(path);
 }
 
+bool is_panel_table(const std::string& path) {
+  if (!is_file(path) || !holds_levels(path)) return false;
+  if (extension_of(path) == ".csv") return true;
+  ByteSource source(path);
+  std::string begin(size_t(std::min<uint64_t>(source.size(), 4096)), '\0');
+  source.read(begin.data(), begin.size());
+  const size_t type = begin.find("'descr': '");
+  return type != begin.npos && begin.substr(type + 10, 2) != "<c";
+}
+
 std::vector<uint16_t> load_level_table(const std::string& path) {
   check_file_exists(path, "a level table");
   std::vector<uint16_t> table;
-  each_line_of_numbers(path, [&](const std::vector<double>& numbers, const std::string& place) {
+  each_line_of_numbers(path, [&](const std::vector<double>& numbers, const std::string& place, bool) {
     require(numbers.size() <= 2, "{}expected a value, or a grey and its value, got {} numbers", place, numbers.size());
     require(numbers.size() == 1 || numbers[0] == double(table.size()), "{}expected the grey {}, got {}", place,
             table.size(), numbers[0]);
@@ -240,23 +274,28 @@ std::vector<uint16_t> load_level_table(const std::string& path) {
   return table;
 }
 
-Array2D<float> load_correction(const std::string& path) {
-  if (extension_of(path) == ".npy") {
+Array2D<float> load_correction(const std::string& path, int levels) {
+  check_file_exists(path, "a correction");
+  const std::string ending = extension_of(path);
+  if (holds_levels(path)) {
     const PanelTable table = load_panel_table(path);
-    require(table.are_phases,
+    require(ending == ".csv" || table.are_floats,
             "{}: expected phases in radians as floats, got whole numbers; convert it with numpy.astype", path);
+    require(table.channels == 1, "{}: expected one phase for each pixel, got three channels", path);
     Array2D<float> cycles(table.values.ny, table.values.nx);
     for (size_t i = 0; i < cycles.size(); ++i) {
-      require(std::isfinite(table.values.values[i]), "{}: expected finite phases, got {}", path,
+      require(std::isfinite(table.values.values[i]), "{}: expected finite numbers, got {}", path,
               table.values.values[i]);
-      cycles.values[i] = float(table.values.values[i] / (2 * pi));
+      cycles.values[i] = float(table.values.values[i] / (table.are_floats ? 2 * pi : double(levels)));
     }
     return cycles;
   }
-  check_file_exists(path, "a correction");
+  require(ending != ".jpg" && ending != ".jpeg",
+          "{}: expected a correction without loss, got a JPEG; use the maker's own file", path);
   const std::optional<Picture> picture = read_picture(path);
   require(picture && picture->type != SampleType::floats,
-          "{}: expected a correction as a grey picture of 8 or 16 bits, or phases in a .npy", path);
+          "{}: expected a correction as a grey picture of 8 or 16 bits, as phases in a .npy, or as levels in a .csv",
+          path);
   const float full = picture->type == SampleType::bits_8 ? 256 : 65536;
   const size_t channels = picture->channels.size();
   Array2D<float> cycles(picture->rows, picture->columns);

@@ -168,13 +168,31 @@ KnownPanel panel_named(const std::string& name) {
 
 Slm read_over(TomlTable table, const std::string& preset, const std::vector<std::string>& chain);
 
-// Loads a panel by name, or from a file NAME.toml. `chain` has the panels that led here, each of which extends the next.
+// The file of a panel that comes with the program; "" if there is none.
+std::string built_in_file(const std::string& name) {
+  const std::vector<std::string> of_user = user_panel_folders();
+  for (const std::string& folder : panel_folders()) {
+    const fs::path file = fs::path(folder) / (name + ".toml");
+    if (std::find(of_user.begin(), of_user.end(), folder) == of_user.end() && holotrace::is_file(file))
+      return file.string();
+  }
+  return "";
+}
+
+// Loads a panel by name, or from a file NAME.toml. `chain` has the files that led here, each of which extends the next. A user's
+// panel may extend the one that comes with the program under its name.
 Slm load_panel(const std::string& name, std::vector<std::string> chain) {
-  require(std::find(chain.begin(), chain.end(), name) == chain.end(),
-          "expected a panel that does not extend itself, got \"{}\"", name);
-  chain.push_back(name);
   const bool is_file = extension_of(name) == ".toml";
-  const KnownPanel panel = is_file ? KnownPanel{name, name, true} : panel_named(name);
+  KnownPanel panel = is_file ? KnownPanel{name, name, true} : panel_named(name);
+  const auto is_same = [&](const std::string& other) {
+    std::error_code ignored;
+    return fs::equivalent(other, panel.file, ignored);
+  };
+  if (!is_file && panel.is_users && !chain.empty() && is_same(chain.back()))
+    if (const std::string built_in = built_in_file(name); !built_in.empty()) panel = {name, built_in, false};
+  require(std::none_of(chain.begin(), chain.end(), is_same), "expected a panel that does not extend itself, got \"{}\"",
+          name);
+  chain.push_back(panel.file);
   const toml::table parsed = parse_toml(panel.file, "a panel file");
   Slm slm = read_over(TomlTable(parsed, {panel.file}, "the panel"), "", chain);
   if (!parsed.contains("name")) slm.name = is_file ? fs::path(name).stem().string() : name;

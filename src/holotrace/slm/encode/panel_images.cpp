@@ -16,17 +16,25 @@
 namespace holotrace {
 namespace {
 
-void check_shape(const Hologram& hologram) {
+void check_levels(const Hologram& hologram) {
   require(hologram.modulation != Modulation::complex,
           "expected holograms of phase or of amplitude as pictures for a panel, got one of both; encode it for a phase "
           "or amplitude panel");
+  for (const uint16_t level : hologram.level.values)
+    require(level < hologram.levels, "expected levels below {} in a hologram for a panel, got {}", hologram.levels,
+            level);
 }
 
-// Phase that is added, as cycles at each pixel.
-class AddedPhase {
+void check_phases(const Hologram& hologram) {
+  require(hologram.modulation == Modulation::phase,
+          "expected blaze, lens and correction with a hologram of phases, got one of amplitudes; leave them out");
+}
+
+// The phase of blaze and lens at each pixel [cycles].
+class BlazeAndLens {
  public:
-  AddedPhase(const Hologram& hologram, const PanelImageParams& params, const Array2D<float>& correction)
-      : grid_(hologram.grid), lens_(params.lens), wavelength_(hologram.wavelength), correction_(correction) {
+  BlazeAndLens(const Hologram& hologram, const PanelImageParams& params)
+      : grid_(hologram.grid), lens_(params.lens), wavelength_(hologram.wavelength) {
     require(params.blaze.size() <= 2, "expected one or two periods for blaze, along x and y, got {}",
             params.blaze.size());
     const auto per_metre = [&](size_t axis) {
@@ -35,13 +43,8 @@ class AddedPhase {
     blaze_x_ = per_metre(0);
     blaze_y_ = per_metre(1);
     if (!is_there()) return;
-    require(hologram.modulation == Modulation::phase,
-            "expected blaze, lens and correction with a hologram of phases, got one of amplitudes; leave them out");
-    require(correction_.size() == 0 || (correction_.nx == grid_.nx && correction_.ny == grid_.ny),
-            "expected a correction of {} × {} pixels, as the hologram has, got {} × {}; take that of this panel",
-            grid_.nx, grid_.ny, correction_.nx, correction_.ny);
-    require((blaze_x_ == 0 && blaze_y_ == 0 && lens_ == 0) || grid_.pitch > 0,
-            "expected a hologram whose pitch is known, to add a blaze or a lens; give --pitch");
+    check_phases(hologram);
+    require(grid_.pitch > 0, "expected a hologram whose pitch is known, to add a blaze or a lens; give --pitch");
     require(lens_ == 0 || (wavelength_ > 0 && hologram.colours.empty()),
             "expected a hologram of one known wavelength, to add a lens; {}",
             hologram.colours.empty() ? "give --wavelength" : "make a hologram for each colour");
@@ -49,16 +52,13 @@ class AddedPhase {
     check_fringes("y", blaze_y_, grid_.height());
   }
 
-  bool is_there() const { return blaze_x_ != 0 || blaze_y_ != 0 || lens_ != 0 || correction_.size() > 0; }
+  bool is_there() const { return blaze_x_ != 0 || blaze_y_ != 0 || lens_ != 0; }
 
   double at(int row, int column) const {
-    const double x = grid_.x(column), y = grid_.y(row);
-    double cycles = x * blaze_x_ + y * blaze_y_;
-    if (lens_ != 0) {
-      const double square = x * x + y * y;
-      cycles -= std::copysign(square / (std::hypot(x, y, lens_) + std::abs(lens_)), lens_) / wavelength_;
-    }
-    return correction_.size() > 0 ? cycles + double(correction_(row, column)) : cycles;
+    const double x = grid_.x(column), y = grid_.y(row), cycles = x * blaze_x_ + y * blaze_y_;
+    if (lens_ == 0) return cycles;
+    const double longer = (x * x + y * y) / (std::hypot(x, y, lens_) + std::abs(lens_));  // √(r² + f²) − |f|
+    return cycles - std::copysign(longer, lens_) / wavelength_;
   }
 
  private:
@@ -66,35 +66,32 @@ class AddedPhase {
   void check_fringes(const char* axis, double blaze, double side) const {
     const double of_lens = lens_ == 0 ? 0 : side / 2 / std::hypot(side / 2, lens_) / wavelength_;
     const double finest = std::abs(blaze) + of_lens;
-    require(
-        finest * 2 * grid_.pitch <= 1 + 1e-9,
-        "expected added fringes of two pixels ({}) or more along {}, got {} at the panel's edge; give a longer period for "
-        "blaze, or a longer focal length for lens",
-        format_length(2 * grid_.pitch), axis, format_length(1 / finest));
+    require(finest * 2 * grid_.pitch <= 1 + 1e-9,
+            "expected added fringes of two pixels ({}) or more along {}, got {} at the panel's edge; give a longer "
+            "period for blaze, or a longer focal length for lens",
+            format_length(2 * grid_.pitch), axis, format_length(1 / finest));
   }
 
   Grid grid_;
   double blaze_x_ = 0, blaze_y_ = 0, lens_, wavelength_;
-  const Array2D<float>& correction_;
 };
 
-// The panel by which the levels of a hologram were chosen.
-PhaseLevels levels_of(const Hologram& hologram) {
+// The steps by which the levels of a hologram were chosen, without the static errors, which the levels have in them already.
+PhaseLevels steps_of(const Hologram& hologram) {
   Slm known = hologram.slm ? with_effects(*hologram.slm, hologram.effects) : Slm{};
-  known.effects.aberration.clear();  // levels have these static errors in them
+  known.effects.aberration.clear();
   known.effects.phase_map = nullptr;
   return {known, hologram.levels, hologram.wavelength > 0 ? hologram.wavelength : 1};
 }
 
-Array2D<uint16_t> with_phase(const Hologram& hologram, const AddedPhase& added) {
-  if (!added.is_there()) return hologram.level;
-  const PhaseLevels levels = levels_of(hologram);
-  auto out = Array2D<uint16_t>::unset(hologram.level.ny, hologram.level.nx);
+// The levels with a phase more: cycles(row, column).
+template <class Cycles>
+Array2D<uint16_t> with_phase(const Array2D<uint16_t>& levels, const PhaseLevels& steps, const Cycles& cycles) {
+  auto out = Array2D<uint16_t>::unset(levels.ny, levels.nx);
   parallel_for(0, out.ny, [&](int64_t row) {
     for (int i = 0; i < out.nx; ++i) {
-      const std::complex<double> wanted =
-          levels.phasors()[hologram.level(int(row), i)] * std::complex<double>(cis_cycles(added.at(int(row), i)));
-      out(int(row), i) = uint16_t(levels.level_of(wanted.real(), wanted.imag()));
+      const std::complex<double> wanted = steps.phasors()[levels(int(row), i)] * cis_cycles(cycles(int(row), i));
+      out(int(row), i) = uint16_t(steps.level_of(wanted.real(), wanted.imag()));
     }
   });
   return out;
@@ -120,40 +117,71 @@ struct Orientation {
   }
 };
 
-PanelImage oriented(const Array2D<uint16_t>& values, int bits, const Orientation& orientation) {
-  PanelImage image{values.nx, values.ny, 1, bits, std::vector<uint16_t>(values.size())};
-  if (orientation.is_transposed) std::swap(image.columns, image.rows);
-  size_t at = 0;
-  for (int j = 0; j < image.rows; ++j)
-    for (int i = 0; i < image.columns; ++i) {
-      int row = orientation.is_mirrored_y ? image.rows - 1 - j : j;
-      int column = orientation.is_mirrored_x ? image.columns - 1 - i : i;
-      if (orientation.is_transposed) std::swap(row, column);
-      image.values[at++] = values(row, column);
+Array2D<uint16_t> oriented(const Array2D<uint16_t>& levels, const Orientation& orientation) {
+  const bool is_transposed = orientation.is_transposed;
+  auto out = Array2D<uint16_t>::unset(is_transposed ? levels.nx : levels.ny, is_transposed ? levels.ny : levels.nx);
+  for (int j = 0; j < out.ny; ++j)
+    for (int i = 0; i < out.nx; ++i) {
+      int row = orientation.is_mirrored_y ? out.ny - 1 - j : j;
+      int column = orientation.is_mirrored_x ? out.nx - 1 - i : i;
+      if (is_transposed) std::swap(row, column);
+      out(j, i) = levels(row, column);
     }
+  return out;
+}
+
+PanelImage sent_values(const Hologram& hologram, const Array2D<uint16_t>& levels, const std::vector<uint16_t>& lut,
+                       PanelValue value) {
+  PanelImage image{levels.nx, levels.ny, 1, grey_bits(hologram.levels), {}};
+  const size_t greys = size_t(1) << image.bits;
+  require(lut.empty() || lut.size() == greys || lut.size() == size_t(hologram.levels),
+          "expected a level table of {} values, one for each grey of {} bits, or one for each of the {} levels, got {} "
+          "values",
+          greys, image.bits, hologram.levels, lut.size());
+  const bool is_by_level = lut.empty() ? value == PanelValue::level : lut.size() != greys;
+  if (!lut.empty()) image.bits = *std::max_element(lut.begin(), lut.end()) <= 255 ? 8 : 16;
+  image.values.reserve(levels.size());
+  for (const uint16_t level : levels.values) {
+    const uint16_t shown = is_by_level ? level : grey_of(level, hologram.levels, hologram.modulation);
+    image.values.push_back(lut.empty() ? shown : lut[shown]);
+  }
   return image;
 }
 
 PanelImage picture_of(const Hologram& hologram, const PanelImageParams& params, const PanelTables& tables,
                       PanelValue value) {
-  check_shape(hologram);
-  Array2D<uint16_t> values = with_phase(hologram, AddedPhase(hologram, params, tables.correction));
-  int bits = grey_bits(hologram.levels);
-  const std::vector<uint16_t>& lut = tables.lut;
-  const size_t greys = size_t(1) << bits;
-  require(
-      lut.empty() || lut.size() == greys || lut.size() == size_t(hologram.levels),
-      "expected a level table of {} values, one for each grey of {} bits, or one for each of the {} levels, got {} values",
-      greys, bits, hologram.levels, lut.size());
-  const bool is_by_level = lut.empty() ? value == PanelValue::level : lut.size() != greys;
-  if (!lut.empty()) bits = *std::max_element(lut.begin(), lut.end()) <= 255 ? 8 : 16;
-  for (uint16_t& number : values.values) {
-    require(number < hologram.levels, "expected levels below {} in a hologram for a panel, got {}", hologram.levels,
-            number);
-    if (!is_by_level) number = grey_of(number, hologram.levels, hologram.modulation);
-    if (!lut.empty()) number = lut[number];
+  check_levels(hologram);
+  Array2D<uint16_t> levels = hologram.level;
+  const BlazeAndLens added(hologram, params);
+  if (added.is_there())
+    levels = with_phase(levels, steps_of(hologram), [&](int row, int column) { return added.at(row, column); });
+  levels = oriented(levels, Orientation(params));
+  const Array2D<float>& correction = tables.correction;
+  if (correction.size() > 0) {  // of the panel's own pixels
+    check_phases(hologram);
+    require(correction.nx == levels.nx && correction.ny == levels.ny,
+            "expected a correction of {} × {} pixels, as the picture for the panel has, got {} × {}; take that of this "
+            "panel",
+            levels.nx, levels.ny, correction.nx, correction.ny);
+    levels =
+        with_phase(levels, steps_of(hologram), [&](int row, int column) { return double(correction(row, column)); });
   }
-  return oriented(values, bits, Orientation(params));
+  return sent_values(hologram, levels, tables.lut, value);
+}
+
+// Warns if the levels allow already for what a maker's table corrects.
+void warn_of_double_correction(const Hologram& hologram, const PanelTables& tables, const Observer& observer) {
+  const auto has = [&](const char* effect) {
+    return std::find(hologram.effects.begin(), hologram.effects.end(), effect) != hologram.effects.end();
+  };
+  const auto warn = [&](const char* table, const char* effect) {
+    observer.warn(fmt::format(
+        "the levels of the hologram allow for the panel's {} already, and {} does so a second time; leave one of them out",
+        effect, table));
+  };
+  if (!tables.lut.empty() && has("calibration")) warn("the level table", "calibration");
+  for (const char* effect : {"phase-map", "aberration"})
+    if (tables.correction.size() > 0 && has(effect)) warn("the correction", effect);
 }
 
 // Three pictures as red, green and blue.
@@ -230,6 +258,7 @@ std::vector<PanelImage> panel_images(const std::vector<Hologram>& holograms, con
     require(!has_bits || tables.lut.empty(), "expected no level table with bits, which are 0 and 1; leave it out");
     images.push_back(picture_of(hologram, params, tables, value));
   }
+  warn_of_double_correction(holograms.front(), tables, observer);
   switch (params.packing) {
     case Packing::none:
       return images;

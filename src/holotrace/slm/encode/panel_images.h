@@ -14,7 +14,8 @@ namespace holotrace {
 /// What the maker of a panel gives with it.
 struct PanelTables {
   std::vector<uint16_t> lut{};  ///< value that is sent for each grey or level; empty: the grey or level itself
-  Array2D<float> correction{};  ///< phase that is added, a value per pixel [cycles]; empty: none
+  Array2D<float>
+      correction{};  ///< phase that is added [cycles], a value for each pixel as the panel has it; empty: none
 };
 
 /// What the values of a picture count, before the table `lut`.
@@ -22,11 +23,12 @@ enum class PanelValue { grey, level };
 
 /// The pictures that panels get for holograms: added phases, the vendor's table, mirrored and turned, several in one.
 ///
-///     phase:  φ(x, y) = φ(ℓ) + 2π·(correction + x/Λx + y/Λy) − 2π·(√(r² + f²) − |f|)·sign(f)/λ,  r² = x² + y²
+///     φ(x, y) = φ(ℓ) + 2π·(x/Λx + y/Λy) − 2π·(√(r² + f²) − |f|)·sign(f)/λ,  r² = x² + y²
 ///
 /// The level whose phase is nearest is sent; its steps are those that the hologram's levels know (its `effects`). The blaze
-/// turns light by asin(λ/Λ) toward +x and +y; the lens makes a plane wave one that converges to the distance f.
-/// The order is: phases, table, flip, transpose, turn, pack. Without parameters and tables the pictures show the levels as
+/// turns light by asin(λ/Λ) toward +x and +y, which moves a real image there and a virtual one the other way; the lens makes a
+/// plane wave one that converges to the distance f. Both belong to the hologram, and are turned with it. The correction belongs
+/// to the panel. The order is: blaze and lens, flip, transpose, turn, correction, table, pack. Without parameters and tables the pictures show the levels as
 /// hologram files do.
 ///
 /// @param holograms  of one panel; for Packing::colours of three wavelengths, as many of each, of which the longest becomes

@@ -8,7 +8,8 @@ let shown = null;  // what is drawn, to draw it again in other colours
 function drawCurves(canvas, curves, label) {
   shown = [canvas, curves, label];
   const styles = getComputedStyle(document.documentElement), colour = name => styles.getPropertyValue(name).trim();
-  const colours = [1, 2, 3, 4].map(i => colour(`--curve-${i}`));
+  const isDark = document.documentElement.dataset.theme === 'dark';
+  const colourAt = i => (i < 4 ? colour(`--curve-${i + 1}`) : `hsl(${(i * 137) % 360} 60% ${isDark ? 70 : 38}%)`);
   const ratio = devicePixelRatio, wide = canvas.clientWidth || 340, high = 170;
   canvas.width = wide * ratio;
   canvas.height = high * ratio;
@@ -32,7 +33,7 @@ function drawCurves(canvas, curves, label) {
   paint.fillText(label, wide / 2 + 20, high - 10);
   paint.lineWidth = 2;
   curves.forEach((curve, i) => {
-    paint.strokeStyle = colours[i % colours.length];
+    paint.strokeStyle = colourAt(i);
     paint.beginPath();
     curve.points.forEach(([at, loss], k) => (k === 0 ? paint.moveTo(x(at), y(loss)) : paint.lineTo(x(at), y(loss))));
     paint.stroke();
@@ -43,7 +44,7 @@ function drawCurves(canvas, curves, label) {
   $('curves').replaceChildren(...curves.filter(curve => curve.name).map((curve, i) => {
     const item = document.createElement('li');
     item.textContent = curve.name;
-    item.style.setProperty('--mark', colours[i % colours.length]);
+    item.style.setProperty('--mark', colourAt(i));
     return item;
   }));
 }

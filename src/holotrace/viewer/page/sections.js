@@ -174,8 +174,11 @@ export async function showCommand() {
   $('copy').hidden = !command;
   for (const ending of ['png', 'exr']) $(ending).href = `view.${ending}?${query()}`;
 }
-// A film goes where Play goes, with the present settings.
+const filmButtons = ['gif', 'webp', 'mp4'].map($);
+
+// A film of focus goes over the slider, but not beyond the panel; one of parallax from left to right, for which it gets an eye.
 async function takeFilm(ending) {
+  for (const button of filmButtons) button.disabled = true;
   const kind = $('film-of').value, { from, to, values } = playRange(kind);
   if (Object.keys(values).length > 0) change(values);
   const asked = query({ sweep: kind, 'sweep-from': `${Math.max(kind === 'focus' ? 0 : -Infinity, from)} mm`, 'sweep-to': `${to} mm` });
@@ -188,6 +191,7 @@ async function takeFilm(ending) {
   } catch (error) {
     $('film-text').textContent = error.message;
   }
+  for (const button of filmButtons) button.disabled = false;
 }
 for (const ending of ['gif', 'webp', 'mp4']) $(ending).addEventListener('click', () => takeFilm(ending));
 $('copy').addEventListener('click', async () => {
