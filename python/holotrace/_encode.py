@@ -206,11 +206,14 @@ def load_run(folder: Path, *, progress: Progress = None) -> Run:
     """
     with watching(progress) as watch:
         made = _core.load_run(os.fspath(folder), watch.core)
-    report = os.path.join(folder, "report.json")
-    if not os.path.exists(report):
+    path = os.path.join(folder, "report.json")
+    if not os.path.exists(path):
         return _run_of(made, {}, None)
-    with open(report, encoding="utf-8") as file:
-        return _run_of(made, json.load(file), None)
+    with open(path, encoding="utf-8") as file:
+        try:
+            return _run_of(made, json.load(file), None)
+        except ValueError as error:
+            raise _core.Error(f"expected a report as JSON in {path}: {error}; run the scene again") from None
 
 
 def _run_of(made: Mapping[str, Any], report: Dict[str, Any], record: Any) -> Run:

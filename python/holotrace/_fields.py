@@ -20,13 +20,14 @@ class Field(ArrayNoun):
     """Monochromatic scalar light on a grid of samples.
 
     A sample is a complex amplitude in sqrt(W/m2); power is the sum of ``|u|**2 * pitch**2``. The array has the shape
-    (ny, nx), row 0 on top (largest y). Light that leaves a point is ``exp(+ikr)``. ``np.asarray(field)`` is the memory
-    of the field itself, not a copy.
+    (ny, nx), row 0 on top (largest y). Light that leaves a point is ``exp(+ikr)``. ``np.asarray(field)`` and
+    ``torch.from_dlpack(field)`` are the memory of the field itself, not a copy.
 
     Parameters
     ----------
     samples : array of the shape (ny, nx)
-        Complex amplitudes, or real ones with the phase 0. complex64 and complex128 keep their precision.
+        Complex amplitudes, or real ones with the phase 0. complex64 and complex128 keep their precision. Tensors of other
+        libraries may be on any device, as wherever arrays are taken.
     pitch : length
         Distance between samples, in metres or as text: ``8e-6``, ``"8 um"``.
     wavelength : length

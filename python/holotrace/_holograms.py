@@ -123,7 +123,7 @@ class Slm(Noun):
 class Hologram(ArrayNoun):
     """The data shown on an SLM, a level per pixel.
 
-    ``np.asarray(hologram)`` is the memory of the levels, not a copy.
+    ``np.asarray(hologram)`` is the memory of the levels, not a copy; so is what other libraries take by DLPack.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from ._units import Length, Lengths, format_length
 class Image(ArrayNoun):
     """A picture of linear light, row 0 on top: [W/m2] on a sensor, [W/m2/sr] from ``render``.
 
-    ``np.asarray(image)`` is the memory of the image, not a copy.
+    ``np.asarray(image)`` and ``torch.from_dlpack(image)`` are the memory of the image, not a copy.
 
     Parameters
     ----------

@@ -235,6 +235,9 @@ def test_a_run_without_its_other_files_is_loaded(scene, folders):
     loaded = ht.load_run(folders[0])
     assert loaded.sources == loaded.fields == loaded.stereo_views == [] and loaded.report == {}
     assert equal(loaded.renders[0].pixels, ht.load_image(folders[0] / "render.png").pixels) and loaded.render_white == 1
+    (folders[0] / "report.json").write_text("{")
+    with pytest.raises(ht.Error, match="expected a report as JSON in .*report.json: .*; run the scene again"):
+        ht.load_run(folders[0])
 
 
 def test_view_of_the_folder_of_a_run_is_the_program_bit_by_bit(scene, program, folders):
