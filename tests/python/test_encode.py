@@ -179,6 +179,22 @@ def test_pictures_for_a_panel_are_the_programs(waves, tmp_path, program):
         hologram.save(tmp_path / "own.npy", flop="x")
 
 
+def test_tables_of_the_maker_are_of_the_panels_pixels(waves, tmp_path, program):
+    """Turned first; then the flatness map, modulo a cycle; then the level table. By the program, and by NumPy."""
+    hologram = ht.encode(waves)
+    hologram.save(tmp_path / "h.png")
+    flatness = np.random.default_rng(2).integers(0, 256, (64, 48)).astype(np.uint8)  # of the turned panel
+    np.save(tmp_path / "flatness.npy", flatness * (2 * np.pi / 256))
+    table = np.random.default_rng(3).permutation(256)
+    (tmp_path / "table.lut").write_text("".join(f"{grey} {value}\n" for grey, value in enumerate(table)))
+    program("display", "h.png", "-o", "panel.npy", "--turn", "90", "--correction", "flatness.npy", "--lut", "table.lut")
+    expected = table[(np.rot90(hologram.level).astype(int) + flatness) % 256]
+    assert np.array_equal(np.load(tmp_path / "panel.npy"), expected)
+    hologram.save(tmp_path / "own.npy", turn=90, correction=tmp_path / "flatness.npy", lut=tmp_path / "table.lut")
+    assert (tmp_path / "own.npy").read_bytes() == (tmp_path / "panel.npy").read_bytes()
+    assert (tmp_path / "own.npy.json").read_bytes() == (tmp_path / "panel.npy.json").read_bytes()
+
+
 def test_holograms_of_other_programs_are_read(tmp_path):
     phases = np.linspace(-7, 7, 12, dtype=np.float64).reshape(3, 4)
     np.save(tmp_path / "phases.npy", phases)

@@ -149,9 +149,10 @@ Array2D<uint16_t> levels_of(const StoredLevels& stored, Channel channel, int lev
     const double level = std::round(value / scale);
     require(
         level >= 0 && level < levels && std::round(level * scale) == value,
-        "{}: expected the {} of {} levels, got {} at {}; correct \"levels\" in {} or write the hologram again, without "
-        "scaling or compression loss",
-        path, scale == 1 && holds_levels(path) ? "values" : "greys", levels, value, stored.place_of(i), source);
+        "{}: expected the {} of {} levels, got {} at {}; {} or write the hologram again, without scaling or compression "
+        "loss",
+        path, stored.kind == StoredLevels::Kind::levels ? "values" : "greys", levels, value, stored.place_of(i),
+        source.empty() ? "give their number (--levels)" : fmt::format("correct \"levels\" in {}", source));
     out.values[i] = uint16_t(level);
   }
   return out;
@@ -328,7 +329,7 @@ void save_holograms(const OutputSet& set, const std::string& name, const std::ve
 
 std::vector<Channel> hologram_channels(const std::string& path) {
   check_file_exists(path, "a hologram");
-  if (is_hologram_file(path) || holds_levels(path)) return {Channel::grey};
+  if (is_hologram_file(path)) return {Channel::grey};
   if (!first_coloured(read_stored_levels(path))) return {Channel::grey};
   return {Channel::red, Channel::green, Channel::blue};
 }
