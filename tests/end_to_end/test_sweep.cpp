@@ -259,12 +259,13 @@ TEST(Sweep, ImpossibleSweepsAreRefused) {
   EXPECT_EQ(sentence(), "expected at least one camera distance, got none");
 }
 
-const std::vector<std::string> three_views{"--distance", "30 mm",      "--sweep", "focus",         "--sweep-from",
-                                           "26 mm",      "--sweep-to", "34 mm",   "--sweep-views", "3"};
+std::vector<std::string> sweep_flags(const char* views = "3") {
+  return {"--distance", "30 mm",      "--sweep", "focus",         "--sweep-from",
+          "26 mm",      "--sweep-to", "34 mm",   "--sweep-views", views};
+}
 
-Outcome show_sweep(const Workplace& work, const std::string& output, const std::vector<std::string>& flags = {}) {
+Outcome show_sweep(const Workplace& work, const std::string& output, const std::vector<std::string>& flags) {
   std::vector<std::string> arguments{"show", "out/hologram.png", "-o", output};
-  arguments.insert(arguments.end(), three_views.begin(), three_views.end());
   arguments.insert(arguments.end(), flags.begin(), flags.end());
   return work.run(arguments);
 }
@@ -273,21 +274,21 @@ TEST(Sweep, ItsPicturesAloneAreASeriesThatALaterCallReplaces) {
   const Workplace work;
   make_two_points(work);
   work.write("v_0002.png", "mine");
-  const Outcome outcome = show_sweep(work, "v_####.png");
+  const Outcome outcome = show_sweep(work, "v_####.png", sweep_flags());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err,
             "warning: v_0002.png was not written by an earlier call of this command; it is kept as v_0002.png~\n");
-  ASSERT_EQ(show_sweep(work, "beside.png").exit_code, 0);
+  ASSERT_EQ(show_sweep(work, "beside.png", sweep_flags()).exit_code, 0);
   for (int i = 1; i <= 3; ++i)  // as beside a view
     EXPECT_EQ(load_image(work.path(fmt::format("v_000{}.png", i))).values,
               load_image(work.path(fmt::format("beside_sweep_0{}.png", i))).values);
-  const Outcome fewer = show_sweep(work, "v_####.png", {"--sweep-views", "2"});
+  const Outcome fewer = show_sweep(work, "v_####.png", sweep_flags("2"));
   ASSERT_EQ(fewer.exit_code, 0) << fewer.err;
   std::set<std::string> names;
   for (const std::string& name : work.names())
     if (name.starts_with("v_")) names.insert(name);
   EXPECT_EQ(names, (std::set<std::string>{"v_0001.png", "v_0002.png", "v_0002.png~"}));
-  ASSERT_EQ(show_sweep(work, "j_##.jpg").exit_code, 0);
+  ASSERT_EQ(show_sweep(work, "j_##.jpg", sweep_flags()).exit_code, 0);
   EXPECT_TRUE(work.has("j_01.jpg") && work.has("j_03.jpg"));
 }
 
@@ -295,13 +296,15 @@ TEST(Sweep, ItsPicturesAloneAreASeriesThatALaterCallReplaces) {
 TEST(Sweep, ItsAnimationHasTheFormatThatTheCameraNames) {
   const Workplace work;
   make_two_points(work);
-  ASSERT_EQ(show_sweep(work, "v.png", {"--sweep-format", "webp"}).exit_code, 0);
+  std::vector<std::string> flags = sweep_flags();
+  flags.insert(flags.end(), {"--sweep-format", "webp"});
+  ASSERT_EQ(show_sweep(work, "v.png", flags).exit_code, 0);
   EXPECT_EQ(work.read("v_sweep.webp").substr(8, 4), "WEBP");
   EXPECT_FALSE(work.has("v_sweep.gif"));
-  ASSERT_EQ(show_sweep(work, "alone.webp").exit_code, 0);
+  ASSERT_EQ(show_sweep(work, "alone.webp", sweep_flags()).exit_code, 0);
   EXPECT_TRUE(work.read("alone.webp") == work.read("v_sweep.webp"));
-  std::vector<std::string> arguments{"run", "scene.toml", "-o", "out", "--sweep-format", "webp"};
-  arguments.insert(arguments.end(), three_views.begin(), three_views.end());
+  std::vector<std::string> arguments{"run", "scene.toml", "-o", "out"};
+  arguments.insert(arguments.end(), flags.begin(), flags.end());
   const Outcome run = work.run(arguments);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(work.has("out/view_sweep.webp") && work.has("out/view_sweep_03.png"));

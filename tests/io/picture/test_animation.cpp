@@ -43,6 +43,13 @@ TEST(Animation, PlaysForwardAndBackEndlessly) {
     }
 }
 
+// Browsers slow faster ones down.
+TEST(Animation, AFrameLastsTwoHundredthsOrMore) {
+  const std::string path = temporary("fast.gif");
+  save_animation(path, bars(4, 64, 24), 2, 0.01);
+  EXPECT_EQ(load_gif(path).hundredths, 2);
+}
+
 // 4096 colours, more than a palette has: red by column, green by row, blue of both.
 TEST(Animation, PicturesOfManyColoursAreDitheredToTheirMeans) {
   constexpr int side = 64, block = 16;
