@@ -83,7 +83,7 @@ TEST(NamedLights, LengthsAreReadAsBefore) {
 TEST(NamedLights, OtherLengthsDoNotTakeThem) {
   int taken = 0;
   const auto try_light = [&](const auto& parameter) {
-    if (parameter.quantity != Quantity::length && parameter.quantity != Quantity::wavelength) return;
+    if (!is_length(parameter.quantity)) return;
     const bool is_wavelength = std::string(parameter.name) == "wavelength";
     const std::string sentence = error_of([&] { set_from_text(parameter, "HeNe"); });
     if (is_wavelength)

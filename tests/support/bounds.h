@@ -27,8 +27,7 @@ struct Bounds {
   template <class Value>
   void operator()(const Parameter<Value>& p) {
     const bool is_count = std::is_integral_v<Value>;
-    const bool is_length = p.quantity == Quantity::length || p.quantity == Quantity::wavelength;
-    const char* unit = is_length ? " m" : p.quantity == Quantity::angle ? " rad" : "";
+    const char* unit = is_length(p.quantity) ? " m" : p.quantity == Quantity::angle ? " rad" : "";
     if constexpr (is_number<Value>) add(p.name, p.range, "", unit, is_count ? 1 : 1e-9);
     if constexpr (std::is_same_v<Value, std::vector<double>>) add(p.name, p.range, "1 ", unit, 1e-9);
     if constexpr (std::is_same_v<Value, Vec3>) add(p.name, p.range, "-1 -1 ", unit, 1e-9);
