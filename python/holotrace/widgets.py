@@ -1,8 +1,6 @@
-"""The page of ``holotrace view`` inside a notebook::
+"""The page of ``holotrace view`` inside a notebook.
 
-    import holotrace as ht
-
-    ht.widgets.viewer("out/chess")  # at the end of a cell
+At the end of a cell, ``holotrace.widgets.viewer("out/chess")`` shows it.
 """
 
 from __future__ import annotations
