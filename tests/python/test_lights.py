@@ -21,8 +21,9 @@ def test_names_stand_for_wavelengths():
     array = np.ones((4, 5), np.complex64)
     assert repr(ht.Light("he-ne")) == "Light('HeNe', wavelength=632.8 nm)"
     assert ht.Field(array, pitch="8 um", wavelength="HeNe").wavelength == 632.8e-9
-    assert ht.Scene(wavelength="HeNe, DPSS 532, 450 nm").wavelengths == [632.8e-9, 532e-9, 450e-9]
-    assert ht.Scene(wavelength=["HeNe", 532e-9]).wavelengths == [632.8e-9, 532e-9]
+    cube = [{"type": "wireframe_cube", "size": "1 mm", "position": "0 0 -100 mm"}]
+    assert ht.Scene(wavelength="HeNe, DPSS 532, 450 nm", object=cube).wavelengths == [632.8e-9, 532e-9, 450e-9]
+    assert ht.Scene(wavelength=["HeNe", 532e-9], object=cube).replace(wavelength=["Ruby"]).wavelengths == [694.3e-9]
     assert ht.limits("pluto", wavelength="HeNe, DPSS 532") == ht.limits("pluto", wavelength=(632.8e-9, 532e-9))
     hologram = ht.Hologram(np.zeros((4, 5), int), pitch="8 um", wavelength="DPSS 532")
     shown = ht.show(hologram, wavelength="HeNe")
