@@ -204,7 +204,7 @@ TEST(BadInput, WrongWavelengthListsArePlaced) {
       {"\"532 nm\"", "[]", {"scene.toml:1:14", "one length or more"}},
       {"\"532 nm\"", "[\"532 nm\", \"532 nm\"]", {"scene.toml:1:14", "each wavelength once", "532 nm twice"}},
       {"\"532 nm\"", "[\"638 nm\", 532]", {"scene.toml:1:25", "unit", "532"}},
-      {"\"532 nm\"", "\"638 532 nm\"", {"scene.toml:1:14", "wavelength"}},
+      {"\"532 nm\"", "\"638 532 parsecs\"", {"scene.toml:1:14", "wavelength", "parsecs"}},
   });
 }
 

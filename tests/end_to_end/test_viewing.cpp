@@ -72,7 +72,7 @@ TEST(Viewing, HologramsOfOtherProgramsAreShownAsTheirFlagsSay) {
   };
   refused({"show", "other.png", "-o", "v.png", light, green, "--levels", "5"}, "expected the greys of 5 levels");
   refused({"show", "out/hologram.png", "-o", "v.png", "--levels", "4"},
-          "expected --levels and --modulation only for files without metadata");
+          "expected --levels, --modulation and --channel only for files without metadata");
   refused({"show", "other.png", "-o", "v.png", light, green, "--image", "left"}, "virtual");
   refused({"show", "other.png", "-o", "v.png"}, "other.png has no metadata; give --wavelength");
 }
@@ -99,7 +99,7 @@ TEST(Viewing, InfoDescribesHologramsOfOtherProgramsAsTheirFlagsSay) {
   EXPECT_FALSE(facts({"other.png", "--modulation", "amplitude"}).contains("wavelength"));
   const Outcome scene_told = work.run({"info", "scene.toml", "--image", "real"});
   EXPECT_EQ(scene_told.exit_code, 1);
-  EXPECT_NE(scene_told.err.find("--image is for holograms .png, but scene.toml is none; leave out --image"),
+  EXPECT_NE(scene_told.err.find("--image is for holograms, but scene.toml is none; leave out --image"),
             std::string::npos)
       << scene_told.err;
 }

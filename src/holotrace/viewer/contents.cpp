@@ -219,8 +219,8 @@ Contents load_contents(const std::vector<std::string>& paths, const ContentsPara
   } else {
     require(
         is_one_of(extension_of(path), {".npy", ".h5", ".exr"}),
-        "{}: expected a folder, holograms .png, .bmp, .tif or .csv, a field .npy, .h5 or .exr, sources .ply or a scene .toml, .obj, .gltf "
-        "or .glb to view",
+        "{}: expected a folder, holograms (.png, .bmp, .tif, .npy, .csv), a field (.npy, .h5, .exr), sources .ply or a scene (.toml, "
+        ".obj, .gltf, .glb) to view",
         path);
     contents.kind = "field";
     add_fields(path, params, contents);
