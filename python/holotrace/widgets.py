@@ -3,6 +3,8 @@
     import holotrace as ht
 
     ht.widgets.viewer("out/chess")  # at the end of a cell
+
+The program's server stands behind it, on this machine, and ends with the kernel.
 """
 
 from __future__ import annotations
