@@ -132,9 +132,10 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command
-      ->add_option("paths", o->paths,
-                   "folder that holotrace run writes or has written; or holograms (.png, .bmp, .tif, .npy, .csv); or a field (.npy, .h5, .exr), "
-                   "sources (.ply) or a scene (.toml)")
+      ->add_option(
+          "paths", o->paths,
+          "folder that holotrace run writes or has written; or holograms (.png, .bmp, .tif, .npy, .csv); or a field (.npy, .h5, .exr), "
+          "sources (.ply) or a scene (.toml)")
       ->required()
       ->type_name("PATH");
   add_slm(*command, o->slm, "the hologram's, or pluto");

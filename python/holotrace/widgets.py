@@ -1,6 +1,10 @@
-"""The page of ``holotrace view`` inside a notebook.
+"""The page of ``holotrace view`` inside a notebook::
 
-At the end of a cell, ``holotrace.widgets.viewer("out/chess")`` shows it.
+    import holotrace as ht
+
+    ht.widgets.viewer("out/chess")  # at the end of a cell
+
+The program's server stands behind it, on this machine, and ends with the kernel.
 """
 
 from __future__ import annotations

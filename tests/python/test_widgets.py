@@ -87,7 +87,26 @@ def test_an_interrupt_of_the_cell_leaves_the_server(tmp_path):
         assert os.getpgid(viewer._server.pid) != os.getpgid(0)
 
 
-def test_a_notebook_shows_the_frame(tmp_path, monkeypatch):
+def test_an_interrupt_while_files_are_read_ends_the_server(tmp_path, monkeypatch):
+    """A program that never gets ready stands for one that reads long. Without its end, the call would wait for it."""
+    program = tmp_path / "holotrace"
+    program.write_text("#!/bin/sh\nexec sleep 600\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("HOLOTRACE_PROGRAM", str(program))
+
+    def interrupt(*arguments):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            ht.widgets.viewer(tmp_path)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_a_notebook_shows_the_frame(tmp_path):
     nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed; scripts/setup --tests installs it")
     nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed; scripts/setup --tests installs it")
     pytest.importorskip("ipykernel", reason="ipykernel is not installed; scripts/setup --tests installs it")

@@ -565,6 +565,7 @@ class Page(unittest.TestCase):
 
         notebook = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Notebook)
         threading.Thread(target=notebook.serve_forever, daemon=True).start()
+        self.addCleanup(notebook.server_close)
         self.addCleanup(notebook.shutdown)
         embedded = Server("--embed", self.out, stdin=subprocess.PIPE)
         self.addCleanup(embedded.stop)

@@ -158,7 +158,9 @@ TEST(Session, AFileThatVanishesIsASentenceAndComesBack) {
 
 TEST(Session, FilesThatCannotBeViewedAreNamed) {
   const std::string path = make_file("notes.doc", "a text");
-  EXPECT_NE(error_of([&] { Session({path}); }).find("notes.doc: expected a folder, holograms (.png, .bmp, .tif, .npy, .csv), a field"),
+  EXPECT_NE(error_of([&] {
+              Session({path});
+            }).find("notes.doc: expected a folder, holograms (.png, .bmp, .tif, .npy, .csv), a field"),
             std::string::npos);
 }
 
