@@ -76,12 +76,10 @@ class BlazeAndLens {
   double blaze_x_ = 0, blaze_y_ = 0, lens_, wavelength_;
 };
 
-// The steps by which the levels of a hologram were chosen, without the static errors, which the levels have in them already.
+// The steps by which the levels of a hologram were chosen. Static errors are in the levels already, and not in these steps.
 PhaseLevels steps_of(const Hologram& hologram) {
-  Slm known = hologram.slm ? with_effects(*hologram.slm, hologram.effects) : Slm{};
-  known.effects.aberration.clear();
-  known.effects.phase_map = nullptr;
-  return {known, hologram.levels, hologram.wavelength > 0 ? hologram.wavelength : 1};
+  return {hologram.slm ? with_effects(*hologram.slm, hologram.effects) : Slm{}, hologram.levels,
+          hologram.wavelength > 0 ? hologram.wavelength : 1};
 }
 
 // The levels with a phase more: cycles(row, column).
