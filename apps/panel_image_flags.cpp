@@ -46,11 +46,8 @@ std::vector<PanelImage> PanelImageFlags::images(const std::vector<Hologram>& hol
                                                 const Observer& observer) const {
   PanelImageParams params;
   flags_.apply(params);
-  PanelTables tables;
-  if (!lut_.empty()) tables.lut = load_level_table(lut_);
-  if (!correction_.empty())
-    tables.correction = load_correction(correction_, holograms.empty() ? 0 : holograms.front().levels);
-  return panel_images(holograms, params, tables, holds_levels(path) ? PanelValue::level : PanelValue::grey, observer);
+  const int levels = holograms.empty() ? 0 : holograms.front().levels;
+  return panel_images(holograms, params, load_panel_tables(lut_, correction_, levels), value_in(path), observer);
 }
 
 std::map<std::string, std::string> PanelImageFlags::done() const {

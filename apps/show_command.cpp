@@ -106,8 +106,8 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "--wavelength", o->wavelength,
-          "wavelength of the illumination, or its name (holotrace info --lights), and of holograms without metadata; several: one for each of these in the order "
-          "of the files, and of red, green and blue of a coloured one [the holograms' own]")
+          "wavelength of the illumination, or its name (holotrace info --lights), and of holograms without metadata; several: one "
+          "for each file without metadata, or for red, green and blue of a coloured file [the holograms' own]")
       ->type_name("WAVELENGTHS");
   o->flags.add(*command, ShowParams(), {"wavelength"});
   const std::string kept = "as the first hologram's run";

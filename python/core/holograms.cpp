@@ -160,12 +160,9 @@ void bind_holograms(nb::module_& module) {
     set_params(given, params);
     return watch.run("panel images", [&](const Observer& observer) {
       check_output(path, panel_image_endings());
-      PanelTables tables;
-      if (!lut.empty()) tables.lut = load_level_table(lut);
-      if (!correction.empty())
-        tables.correction = load_correction(correction, holograms.empty() ? 0 : holograms.front().levels);
+      const int levels = holograms.empty() ? 0 : holograms.front().levels;
       const std::vector<PanelImage> images =
-          panel_images(holograms, params, tables, holds_levels(path) ? PanelValue::level : PanelValue::grey, observer);
+          panel_images(holograms, params, load_panel_tables(lut, correction, levels), value_in(path), observer);
       const std::string name = std::filesystem::path(path).filename().string();
       for (const std::string& sentence : write_together(
                path, hologram_record(path), [&](const OutputSet& set) { save_panel_images(set, name, images, done); }))

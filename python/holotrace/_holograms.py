@@ -304,7 +304,8 @@ def load_hologram(
     Parameters
     ----------
     path : path
-        Greys of 8 or 16 bits; or levels or, as floats, phases in radians (.npy), and levels (.csv).
+        A picture of greys of 8 or 16 bits; a .csv of levels; a .npy of levels or, as floats, of phases in radians (amplitudes of
+        0 to 1 with ``modulation="amplitude"``).
     pitch, wavelength : length
         For a file without metadata.
     levels, modulation : whole number, "phase" or "amplitude"

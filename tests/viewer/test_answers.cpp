@@ -64,6 +64,24 @@ TEST_F(AnswersOf, APictureWithItsFacts) {
   EXPECT_EQ(answer.body.substr(4 + length), std::string(codes.begin(), codes.end()));
 }
 
+TEST_F(AnswersOf, Films) {
+  const std::string range = "distance=20+mm&sweep-from=20+mm&sweep-to=22+mm";
+  const HttpAnswer gif = ask("film.gif", range + "&sweep=focus");
+  EXPECT_EQ(gif.status, 200);
+  EXPECT_EQ(gif.type, "image/gif");
+  EXPECT_EQ(gif.body.substr(0, 6), "GIF89a");
+  const auto error = [&](const std::string& path, const std::string& query) {
+    const HttpAnswer answer = ask(path, query);
+    EXPECT_EQ(answer.status, 400) << path << query;
+    return Json::parse(answer.body)["error"].get<std::string>();
+  };
+  EXPECT_EQ(error("film.png", range + "&sweep=focus"), "expected a film .gif, .webp, .mp4 or .webm, got .png");
+  EXPECT_EQ(error("film.gif", range), "expected focus or parallax for \"sweep\"");
+  EXPECT_NE(error("film.gif", "sweep=focus&sweep-from=1&sweep-to=2+mm").find("expected a length with its unit"),
+            std::string::npos);
+  EXPECT_NE(error("film.gif", range + "&sweep=parallax").find("expected a pupil above 0 m"), std::string::npos);
+}
+
 TEST_F(AnswersOf, ErrorsAsSentences) {
   const HttpAnswer answer = ask("view", "pupil=4");
   EXPECT_EQ(answer.status, 400);

@@ -12,6 +12,7 @@
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/new_file.h"
+#include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/view_holograms.h"
@@ -199,6 +200,38 @@ TEST(Session, WritesTheFilesOfShow) {
     std::ifstream in(path, std::ios::binary);
     EXPECT_EQ(session.file(state, ending), std::string(std::istreambuf_iterator<char>(in), {})) << ending;
   }
+}
+
+// Their white is that of the brightest view; a draft keeps the white of the still that was shown before.
+TEST(Session, FilmsAreSweepsAndLeaveTheViewAsItWas) {
+  const std::vector<Hologram> holograms{random_hologram(532e-9, 0)};
+  Session session({folder_of(holograms)});
+  const ViewState state = session.state_of({{"distance", "20 mm"}, {"pupil", "0.2 mm"}, {"eye", "0 0 5 mm"}});
+  const double white = session.view(state)->white;
+  for (const auto& [sweep, from, to] : {std::tuple{Sweep::focus, 20e-3, 31.5e-3}, {Sweep::parallax, -1e-4, 1e-4}}) {
+    std::vector<Image> images;
+    double brightest = 0;
+    for (int i = 0; i < 24; ++i) {
+      ViewState at = state;
+      (sweep == Sweep::focus ? at.camera.distances.front() : at.camera.eye.x) = from + i / 23.0 * (to - from);
+      Expected view = as_show_makes_it(holograms, at);
+      brightest = std::max(brightest, view.white);
+      images.push_back(std::move(view.image));
+    }
+    for (const std::string ending : {".gif", ".webp"}) {
+      const std::string path = temporary("film" + ending);
+      save_animation(path, images, brightest, 2);
+      EXPECT_EQ(session.film(state, sweep, from, to, ending), read_text(path)) << ending;
+    }
+  }
+  ViewState draft = state;
+  draft.is_draft = true;
+  EXPECT_EQ(session.view(draft)->white, white);
+  EXPECT_NE(error_of([&] { session.film(state, Sweep::focus, 20e-3, 20e-3, ".gif"); }).find("two places that differ"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of([&] { session.film(state, Sweep::focus, 20e-3, 21e-3, ".png"); }).find("expected an animated file"),
+      std::string::npos);
 }
 
 TEST(Session, ShowsAFieldAsItIs) {

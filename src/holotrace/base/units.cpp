@@ -133,6 +133,7 @@ const char* length_example(std::string_view name) {
   if (has("wavelength")) return "532 nm";
   if (has("bandwidth")) return "2 nm";
   if (has("pitch") || has("pixel")) return "8 um";
+  if (has("blaze")) return "80 um";
   if (has("pupil") || has("eyebox") || has("radius")) return "3 mm";
   return "300 mm";
 }

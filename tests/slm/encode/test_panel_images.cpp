@@ -208,8 +208,8 @@ TEST(PanelImages, ThreeColoursBecomeRedGreenAndBlue) {
   holograms.pop_back();
   EXPECT_EQ(
       error_of([&] { panel_images(holograms, params, {}, PanelValue::grey); }),
-      "expected holograms of three wavelengths, as many of each, to pack colours, got 5 holograms of 3 wavelengths; pass "
-      "all holograms of a run in three colours, or leave out pack");
+      "expected holograms of three wavelengths, as many of each, to pack colours, got wavelengths: 3, holograms: 5; pass all "
+      "holograms of a run in three colours, or leave out pack");
 }
 
 TEST(PanelImages, TwentyFourBinaryHologramsBecomeBits) {

@@ -8,6 +8,8 @@ namespace holotrace {
 
 /// The channel of a picture whose values are a hologram's.
 enum class Channel { grey, red, green, blue };
+inline constexpr std::initializer_list<Choice<Channel>> channel_names{
+    {"grey", Channel::grey}, {"red", Channel::red}, {"green", Channel::green}, {"blue", Channel::blue}};
 
 /// What holograms of other programs do not say of themselves. Holograms of this one keep it as metadata.
 struct HologramParams {
@@ -36,9 +38,7 @@ void describe(Visitor&& v, HologramParams& p) {
           "own value"));
   v(wavelength("wavelength", p.wavelength, range::not_negative,
                "wavelength of a file without metadata; 0 m: not known"));
-  v(choice("channel", p.channel,
-           {{"grey", Channel::grey}, {"red", Channel::red}, {"green", Channel::green}, {"blue", Channel::blue}},
-           "channel with the hologram in a coloured picture without metadata"));
+  v(choice("channel", p.channel, channel_names, "channel with the hologram in a coloured picture without metadata"));
 }
 
 }  // namespace holotrace

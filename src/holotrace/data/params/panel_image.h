@@ -50,8 +50,8 @@ void describe(Visitor&& v, PanelImageParams& p) {
        {"bits-rgb", Packing::bits_rgb},
        {"bits-grb", Packing::bits_grb},
        {"bits-bgr", Packing::bits_bgr}},
-      "holograms in one picture: three colours as red, green and blue, or 24 binary holograms as bits, least significant first, "
-      "of the channels in that order"));
+      "several holograms in one picture; colours: three wavelengths as red, green and blue; bits-rgb: 24 binary holograms as the "
+      "bits of red, green and blue, the least significant bit first; bits-grb, bits-bgr: the same for channels in another order"));
 }
 
 }  // namespace holotrace

@@ -8,7 +8,6 @@
 #include <numeric>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "holotrace/base/array.h"
@@ -16,147 +15,16 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/io/field/metadata.h"
+#include "holotrace/io/field/stored_levels.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
 #include "holotrace/io/files/text.h"
-#include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/picture/panel_image_file.h"
-#include "holotrace/io/picture/picture_input.h"
 
 namespace holotrace {
 namespace {
-
-/// The text of a PNG that holds the metadata of a hologram.
-constexpr const char* metadata_name = "holotrace";
-
-// The values of a hologram's file before it is known what they mean.
-struct StoredLevels {
-  enum class Kind { greys, levels, floats };
-  Kind kind = Kind::greys;
-  int nx = 0, ny = 0, bits = 8, channels = 1;
-  int levels = 256;              ///< their number, if neither metadata nor the caller say it; 0: it must be said
-  std::string metadata{};        ///< empty if the file has none
-  std::vector<double> values{};  ///< [row][column][channel]
-
-  double at(size_t pixel, Channel channel) const {
-    return values[pixel * size_t(channels) + (channels > 2 ? size_t(std::max(0, int(channel) - 1)) : 0)];
-  }
-  double greatest() const { return values.empty() ? 0 : *std::max_element(values.begin(), values.end()); }
-  std::string place_of(size_t pixel) const {
-    return fmt::format("row {}, column {}", pixel / size_t(nx), pixel % size_t(nx));
-  }
-};
-
-StoredLevels read_table_of_levels(const std::string& path) {
-  const PanelTable table = load_panel_table(path);
-  StoredLevels stored{.kind = table.are_floats ? StoredLevels::Kind::floats : StoredLevels::Kind::levels,
-                      .nx = table.values.nx / table.channels,
-                      .ny = table.values.ny,
-                      .channels = table.channels};
-  if (extension_of(path) == ".csv") stored.kind = StoredLevels::Kind::levels;
-  stored.values.assign(table.values.values.begin(), table.values.values.end());
-  if (stored.kind == StoredLevels::Kind::levels) stored.levels = table.are_bits ? 2 : stored.greatest() > 255 ? 0 : 256;
-  return stored;
-}
-
-/// @throws Error naming the file if it is neither an image of 8 or 16 bits nor a table, or is truncated
-StoredLevels read_stored_levels(const std::string& path) {
-  if (holds_levels(path)) return read_table_of_levels(path);
-  const std::optional<Picture> picture = read_picture(path);
-  require(picture.has_value(),
-          "{}: expected a hologram as a grey image, but it is not an image; write it as an 8- or 16-bit PNG", path);
-  require(picture->type != SampleType::floats, "{}: expected a hologram in 8 or 16 bits, got floats; write it as a PNG",
-          path);
-  StoredLevels stored{.nx = picture->columns,
-                      .ny = picture->rows,
-                      .bits = picture->type == SampleType::bits_8 ? 8 : 16,
-                      .channels = int(picture->channels.size()),
-                      .metadata = picture->text(metadata_name)};
-  stored.levels = stored.bits == 8 ? 256 : 65536;
-  std::visit([&](const auto& samples) { stored.values.assign(samples.begin(), samples.end()); }, picture->samples);
-  return stored;
-}
-
-// The first pixel whose red, green and blue differ.
-std::optional<size_t> first_coloured(const StoredLevels& stored) {
-  if (stored.channels < 3) return std::nullopt;
-  const auto count = size_t(stored.channels);
-  for (size_t i = 0; i < stored.values.size(); i += count)
-    if (stored.values[i] != stored.values[i + 1] || stored.values[i] != stored.values[i + 2]) return i / count;
-  return std::nullopt;
-}
-
-// The levels as the values that files of that ending hold.
-PanelImage stored_image(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels,
-                        Modulation modulation) {
-  PanelImage image{levels_of_pixels.nx, levels_of_pixels.ny, 1, grey_bits(levels), {}};
-  image.values.reserve(levels_of_pixels.size());
-  for (const uint16_t level : levels_of_pixels.values) {
-    require(level < levels, "expected levels below {} in the hologram to save as {}, got {}", levels, path, level);
-    image.values.push_back(holds_levels(path) ? level : grey_of(level, levels, modulation));
-  }
-  return image;
-}
-
-/// Writes levels. @throws Error for a level that is not below `levels`, and where save_panel_image throws
-void write_levels(const std::string& path, const Array2D<uint16_t>& levels_of_pixels, int levels, Modulation modulation,
-                  const std::string& metadata = "") {
-  const PanelImage image = stored_image(path, levels_of_pixels, levels, modulation);
-  if (metadata.empty()) return save_panel_image(path, image);
-  const std::vector<uint8_t> bytes(image.values.begin(), image.values.end());
-  PngHeader header{image.columns, image.rows, 1, image.bits, false, {{metadata_name, metadata}}};
-  write_png(path, header, image.bits == 8 ? static_cast<const void*>(bytes.data()) : image.values.data());
-}
-
-// The level nearest to a phase [rad], or to an amplitude of 0 to 1.
-template <class Place>
-uint16_t level_of_float(double value, int levels, Modulation modulation, const std::string& path, const Place& place) {
-  if (modulation == Modulation::amplitude) {
-    require(value >= 0 && value <= 1, "{}: expected amplitudes of 0 to 1, got {} at {}", path, value, place());
-    return uint16_t(std::lround(value * (levels - 1)));
-  }
-  require(std::isfinite(value), "{}: expected finite phases, got {} at {}", path, value, place());
-  const double turns = value / (2 * pi);
-  return uint16_t(std::lround((turns - std::floor(turns)) * levels) % levels);
-}
-
-/// The levels that the values of a file mean.
-/// @param source  file whose metadata have the number of levels, for errors; "": none
-/// @throws Error naming `path` for a value that is no level
-Array2D<uint16_t> levels_of(const StoredLevels& stored, Channel channel, int levels, Modulation modulation,
-                            const std::string& path, const std::string& source) {
-  if (channel == Channel::grey) {
-    if (const std::optional<size_t> coloured = first_coloured(stored))
-      fail("{}: expected a grey hologram, got a coloured pixel at {}; name the channel (--channel red, green or blue)",
-           path, stored.place_of(*coloured));
-  } else {
-    require(stored.channels >= 3,
-            "{}: expected a coloured picture for its channel {}, got a grey one; leave out the channel", path,
-            channel == Channel::red     ? "red"
-            : channel == Channel::green ? "green"
-                                        : "blue");
-  }
-  Array2D<uint16_t> out(stored.ny, stored.nx);
-  const double scale = stored.kind == StoredLevels::Kind::greys ? greys_per_level(levels, modulation, stored.bits) : 1;
-  for (size_t i = 0; i < out.size(); ++i) {
-    const double value = stored.at(i, channel);
-    if (stored.kind == StoredLevels::Kind::floats) {
-      out.values[i] = level_of_float(value, levels, modulation, path, [&] { return stored.place_of(i); });
-      continue;
-    }
-    const double level = std::round(value / scale);
-    require(
-        level >= 0 && level < levels && std::round(level * scale) == value,
-        "{}: expected the {} of {} levels, got {} at {}; {} or write the hologram again, without scaling or compression "
-        "loss",
-        path, stored.kind == StoredLevels::Kind::levels ? "values" : "greys", levels, value, stored.place_of(i),
-        source.empty() ? "give their number (--levels)" : fmt::format("correct \"levels\" in {}", source));
-    out.values[i] = uint16_t(level);
-  }
-  return out;
-}
 
 void check_levels(double levels, const std::string& path) {
   require(levels == std::floor(levels) && levels >= 2 && levels <= 65536, "{}: expected 2 to 65536 levels, got {}",
@@ -251,7 +119,7 @@ std::string hologram_sidecar(const std::string& path) {
 
 // The metadata inside a PNG; empty if there are none.
 std::string metadata_in(const std::string& path) {
-  return extension_of(path) == ".png" ? text_in_image(path, metadata_name) : "";
+  return extension_of(path) == ".png" ? text_in_image(path, hologram_text) : "";
 }
 
 // The metadata of a hologram's file, and the file that has them; null if there are none.
@@ -330,7 +198,7 @@ void save_holograms(const OutputSet& set, const std::string& name, const std::ve
 std::vector<Channel> hologram_channels(const std::string& path) {
   check_file_exists(path, "a hologram");
   if (is_hologram_file(path)) return {Channel::grey};
-  if (!first_coloured(read_stored_levels(path))) return {Channel::grey};
+  if (!read_stored_levels(path).has_colours()) return {Channel::grey};
   return {Channel::red, Channel::green, Channel::blue};
 }
 

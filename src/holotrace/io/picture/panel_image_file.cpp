@@ -173,9 +173,9 @@ const std::vector<std::string>& panel_image_endings() {
   return endings;
 }
 
-bool holds_levels(const std::string& path) {
+PanelValue value_in(const std::string& path) {
   const std::string ending = extension_of(path);
-  return ending == ".npy" || ending == ".csv";
+  return ending == ".npy" || ending == ".csv" ? PanelValue::level : PanelValue::grey;
 }
 
 void check_panel_image(const std::string& path, const PanelImage& image) {
@@ -193,13 +193,14 @@ void check_panel_image(const std::string& path, const PanelImage& image) {
           image.channels);
 }
 
-void save_panel_image(const std::string& path, const PanelImage& image) {
+void save_panel_image(const std::string& path, const PanelImage& image,
+                      const std::map<std::string, std::string>& texts) {
   check_panel_image(path, image);
   const std::string ending = extension_of(path);
   const std::vector<uint8_t> bytes(image.values.begin(), image.bits == 8 ? image.values.end() : image.values.begin());
   const void* samples = image.bits == 8 ? static_cast<const void*>(bytes.data()) : image.values.data();
   if (ending == ".png")
-    return write_png(path, {image.columns, image.rows, image.channels, image.bits, false, {}}, samples);
+    return write_png(path, {image.columns, image.rows, image.channels, image.bits, false, texts}, samples);
   if (ending == ".tif" || ending == ".tiff")
     return write_tiff(path, image.columns, image.rows, image.channels, image.bits, samples);
   if (ending == ".npy") return write_panel_npy(path, image, samples);
@@ -248,7 +249,7 @@ PanelTable load_panel_table(const std::string& path) {
 }
 
 bool is_panel_table(const std::string& path) {
-  if (!is_file(path) || !holds_levels(path)) return false;
+  if (!is_file(path) || value_in(path) != PanelValue::level) return false;
   if (extension_of(path) == ".csv") return true;
   ByteSource source(path);
   std::string begin(size_t(std::min<uint64_t>(source.size(), 4096)), '\0');
@@ -277,7 +278,7 @@ std::vector<uint16_t> load_level_table(const std::string& path) {
 Array2D<float> load_correction(const std::string& path, int levels) {
   check_file_exists(path, "a correction");
   const std::string ending = extension_of(path);
-  if (holds_levels(path)) {
+  if (value_in(path) == PanelValue::level) {
     const PanelTable table = load_panel_table(path);
     require(ending == ".csv" || table.are_floats,
             "{}: expected phases in radians as floats, got whole numbers; convert it with numpy.astype", path);
@@ -311,6 +312,13 @@ Array2D<float> load_correction(const std::string& path, int levels) {
       },
       picture->samples);
   return cycles;
+}
+
+PanelTables load_panel_tables(const std::string& lut, const std::string& correction, int levels) {
+  PanelTables tables;
+  if (!lut.empty()) tables.lut = load_level_table(lut);
+  if (!correction.empty()) tables.correction = load_correction(correction, levels);
+  return tables;
 }
 
 }  // namespace holotrace

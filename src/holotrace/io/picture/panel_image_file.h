@@ -15,8 +15,8 @@ namespace holotrace {
 /// The endings of files that panels and their programs read: .png, .bmp, .tif, .tiff, .npy and .csv.
 const std::vector<std::string>& panel_image_endings();
 
-/// Whether files of that ending hold levels: tables do (.npy, .csv), pictures hold greys.
-bool holds_levels(const std::string& path);
+/// What files of that ending hold: levels if they are tables (.npy, .csv), else greys.
+PanelValue value_in(const std::string& path);
 
 /// Writes the values as they are, completely or not at all.
 ///
@@ -27,8 +27,10 @@ bool holds_levels(const std::string& path);
 ///     .csv          one channel: a line "Y/X,0,1,…" of columns, then lines of a row's number and its values, as Santec's
 ///                   programs read them
 ///
+/// @param texts  inside a PNG; other formats hold none
 /// @throws Error as check_panel_image, and where NewFile does
-void save_panel_image(const std::string& path, const PanelImage& image);
+void save_panel_image(const std::string& path, const PanelImage& image,
+                      const std::map<std::string, std::string>& texts = {});
 
 /// The `kind` in the metadata of holograms, and of pictures for a panel, which are no holograms any more.
 inline constexpr const char *hologram_kind = "hologram", *panel_image_kind = "panel-image";
@@ -74,5 +76,8 @@ std::vector<uint16_t> load_level_table(const std::string& path);
 /// @param levels  of the panel
 /// @throws Error naming the file if it is none of these, or a JPEG
 Array2D<float> load_correction(const std::string& path, int levels);
+
+/// Both tables; "" in place of a path: none. @throws Error as these two do
+PanelTables load_panel_tables(const std::string& lut, const std::string& correction, int levels);
 
 }  // namespace holotrace

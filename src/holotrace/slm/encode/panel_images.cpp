@@ -204,9 +204,9 @@ std::vector<PanelImage> packed_colours(const std::vector<Hologram>& holograms, s
                                      [&](const auto& entry) { return entry.second.size() == frames; });
   require(
       of_wavelength.size() == 3 && are_alike,
-      "expected holograms of three wavelengths, as many of each, to pack colours, got {} holograms of {} {}; pass all "
-      "holograms of a run in three colours, or leave out pack",
-      holograms.size(), of_wavelength.size(), of_wavelength.size() == 1 ? "wavelength" : "wavelengths");
+      "expected holograms of three wavelengths, as many of each, to pack colours, got wavelengths: {}, holograms: {}; pass "
+      "all holograms of a run in three colours, or leave out pack",
+      of_wavelength.size(), holograms.size());
   std::vector<PanelImage> packed;
   for (size_t frame = 0; frame < frames; ++frame) {
     std::vector<const PanelImage*> channels;

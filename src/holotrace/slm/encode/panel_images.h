@@ -1,25 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
-#include "holotrace/base/array.h"
 #include "holotrace/base/observer.h"
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/panel_image.h"
 #include "holotrace/data/params/panel_image.h"
 
 namespace holotrace {
-
-/// What the maker of a panel gives with it.
-struct PanelTables {
-  std::vector<uint16_t> lut{};  ///< value that is sent for each grey or level; empty: the grey or level itself
-  Array2D<float>
-      correction{};  ///< phase that is added [cycles], a value for each pixel as the panel has it; empty: none
-};
-
-/// What the values of a picture count, before the table `lut`.
-enum class PanelValue { grey, level };
 
 /// The pictures that panels get for holograms: added phases, the vendor's table, mirrored and turned, several in one.
 ///
