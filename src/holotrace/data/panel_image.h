@@ -20,7 +20,8 @@ enum class PanelValue { grey, level };
 /// What the maker of a panel gives with it.
 struct PanelTables {
   std::vector<uint16_t> lut{};  ///< value that is sent for each grey or level; empty: the grey or level itself
-  Array2D<float> correction{};  ///< phase that is added [cycles], a value for each pixel as the panel has it; empty: none
+  Array2D<float>
+      correction{};  ///< phase that is added [cycles], a value for each pixel as the panel has it; empty: none
 };
 
 }  // namespace holotrace
