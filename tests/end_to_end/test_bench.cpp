@@ -80,8 +80,7 @@ TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
   const Workplace place;
   const auto run = [&](const std::string& history, int exit_code = 0) {
     if (!history.empty()) place.write("history.jsonl", history);
-    const test::Outcome outcome =
-        place.run({"bench", "--quick", "--only", "show", "--history", "history.jsonl"});
+    const test::Outcome outcome = place.run({"bench", "--quick", "--only", "show", "--history", "history.jsonl"});
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
     return outcome.out + outcome.err;
   };
