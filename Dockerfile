@@ -8,11 +8,9 @@ SHELL ["/bin/bash", "-euo", "pipefail", "-c"]
 WORKDIR /source
 COPY scripts/setup scripts/setup
 COPY scripts/requirements scripts/requirements
-RUN scripts/setup && rm -rf /var/lib/apt/lists/*
+RUN scripts/setup --program && rm -rf /var/lib/apt/lists/*
 COPY . .
-RUN cmake --preset release -DHOLOTRACE_MPI=OFF -DHOLOTRACE_DISPLAY=OFF -DHOLOTRACE_PYTHON=OFF -DHOLOTRACE_TESTS=OFF \
-      -DHOLOTRACE_BENCH=OFF && \
-    cmake --build --preset release --target holotrace_program && \
+RUN cmake --preset program && cmake --build --preset program && \
     cmake --install build/release --component program --strip
 # The packages of the libraries that the program loads, libtiff and the loader of OpenCL at run time.
 RUN ldd /usr/local/bin/holotrace | awk '/=> \// {print "*/" $1}' | xargs dpkg -S | cut -d: -f1 | sort -u >/packages && \

@@ -84,7 +84,12 @@ void write_patterns(const PatternOptions& o) {
   o.flags.apply(params);
   const double wavelength = parse_wavelength_flag(o.wavelength);
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
-  CalibrationPlan plan{distance, make_test_patterns(load_slm(o.slm), wavelength, distance, params)};
+  const Slm slm = load_slm(o.slm);
+  CalibrationPlan plan{distance, make_test_patterns(slm, wavelength, distance, params)};
+  const double least = slm.grid.pitch * std::max(slm.grid.width(), slm.grid.height()) / wavelength;
+  if (distance < least)
+    say_warnings({fmt::format("higher orders overlap with the picture of order 0 at {}; from {} on they lie beside it",
+                              format_length(distance), format_length(least))});
   say_warnings(save_plan(o.output, plan));
   fmt::print("{} patterns and {}\n", plan.patterns.size(), plan_path(o.output));
 }

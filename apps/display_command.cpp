@@ -25,7 +25,7 @@ namespace {
 volatile std::sig_atomic_t is_stopped = 0;
 
 DisplayFunction load_display() {
-  void* function = load({"display", display_function, RTLD_NOW}, "is SDL 2 installed here?");
+  void* function = load({"display", display_function, RTLD_NOW}, "install SDL 2 (libsdl2-2.0-0)");
   require(function != nullptr,
           "expected holotrace_display.so beside the program, got none; install SDL 2 (libsdl2-dev) and build again");
   return reinterpret_cast<DisplayFunction>(function);

@@ -30,6 +30,11 @@ namespace {
 
 EncodeJob job_of_picture_file(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
                               EncodeParams params, Console& console) {
+  require(
+      !wavelengths.empty() || !params.target_distances.empty(),
+      "{} is a picture and says neither its wavelength nor where it is shown; give both, such as --wavelength \"532 nm\" "
+      "--target-distances \"200 mm\"",
+      path);
   require(!wavelengths.empty(), "{} is a picture and has no wavelength; give --wavelength", path);
   Image picture = load_image(path);
   if (params.resample) {

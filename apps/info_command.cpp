@@ -148,6 +148,11 @@ void print_lights(bool is_json) {
 
 // A picture is a hologram if flags say what it shows.
 Json describe_input(const std::string& path, const Flags& flags, Outside outside) {
+  if (!is_there(path)) {
+    const std::vector<std::string> panels = slm_preset_names();
+    require(std::find(panels.begin(), panels.end(), path) == panels.end(),
+            "expected a file or folder at {0}, but there is none; {0} is a panel: holotrace info --slm {0}", path);
+  }
   if (flags.texts().empty()) return describe_file(path, outside);
   const std::vector<std::string>& endings = panel_image_endings();
   require(std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end() && !is_folder(path),

@@ -86,10 +86,10 @@ struct ModelFlags {
   ModelParams params(const std::string& scene) const {
     ModelParams model;
     flags.apply(model);
-    for (const char* name : {"up", "rotation", "fit", "floor"})
+    for (const char* name : {"up", "rotation", "fit", "floor", "model_distance"})
       require(!flags.has(name) || is_mesh_file(scene),
-              "expected --{} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
-              name, scene);
+              "expected {} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
+              dashed(name), scene);
     return model;
   }
 };

@@ -74,8 +74,13 @@ void check_named(double value, const Range& range, Quantity quantity, const char
 }
 
 double to_length(nb::handle value, const char* name, Quantity quantity) {
-  return to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",",
-                     [&](const std::string& text) { return length_within(text, range::any, name, quantity); });
+  const double metres =
+      to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",",
+                  [&](const std::string& text) { return length_within(text, range::any, name, quantity); });
+  constexpr double longest = 10;  // of a bare number: 300 is meant to be 300 mm
+  require(is_text(value) || quantity == Quantity::wavelength || std::abs(metres) <= longest || !std::isfinite(metres),
+          "expected metres for \"{0}\", got {1:g}; write \"{1:g} mm\", or \"{1:g} m\" if you mean it", name, metres);
+  return metres;
 }
 
 double to_angle(nb::handle value, const char* name) {

@@ -10,6 +10,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from . import _core
+from ._arrays import is_array
 from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Hologram
@@ -21,8 +22,8 @@ from ._scenes import Scene
 from ._units import Lengths, format_length
 from ._waves import Panel, a, panel
 
-#: What a hologram is made from: the field on the panel, a target picture, or a focal stack.
-Target = Union[Field, Image, FocalStack]
+#: What a hologram is made from: the field on the panel, a target picture (also as an array), or a focal stack.
+Target = Union[Field, Image, FocalStack, np.ndarray[Any, Any]]
 
 _WHITES = ("white", "render_white", "sweep_white", "stereo_white")
 
@@ -37,6 +38,8 @@ def _encode(
 ) -> List[Hologram]:
     if count(frames, "frames", least=1) != 1 and not isinstance(target, FocalStack):
         raise _core.Error("expected frames only with a focal stack; leave it out")
+    if wavelength is not None and is_array(target) and not isinstance(target, Noun):
+        target = Image(target)
     with watching(progress, level=5) as watch:
         if isinstance(target, (Image, FocalStack)):
             kind = "picture" if isinstance(target, Image) else "focal stack"
@@ -68,7 +71,8 @@ def encode(
     """The hologram, levels of an SLM, of a field, a target picture or a focal stack.
 
     ``slm`` is the panel; None: 256 levels on the field's grid, or ``"pluto"`` for pictures and stacks. ``wavelength`` is
-    that of a picture or a stack, which have none. Pictures are shown at ``target_distances``.
+    that of a picture or a stack, which have none. Pictures are shown at ``target_distances``; an array of linear light is one,
+    if a wavelength is given.
     """
     holograms = _encode(target, slm, wavelength, 1, progress, params)
     if len(holograms) != 1:

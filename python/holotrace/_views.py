@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Union
+
+import numpy as np
 
 from . import _core
 from ._checked import items, table
@@ -20,7 +22,7 @@ from ._waves import Panel, a, panel_of
 
 @dataclass
 class Views:
-    """What a camera has seen of holograms, in pictures with a common exposure."""
+    """What a camera has seen of holograms, in pictures with a common exposure: a sequence of its ``images``."""
 
     #: One picture for each distance of the camera [W/m2].
     images: List[Image]
@@ -40,6 +42,27 @@ class Views:
     def image(self) -> Image:
         """The picture at the first distance."""
         return self.images[0]
+
+    def __len__(self) -> int:
+        return len(self.images)
+
+    def __getitem__(self, index: int) -> Image:
+        """The picture at one of the distances, in their order."""
+        return self.images[index]
+
+    def __iter__(self) -> Iterator[Image]:
+        return iter(self.images)
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray[Any, Any]:
+        """The pictures in one array: the shape of a picture behind their number, without it if there is one picture."""
+        if copy is False:
+            raise ValueError("pictures of views cannot be one array without a copy; take np.asarray(views[0])")
+        pixels = np.stack([np.asarray(one) for one in self.images])
+        return (pixels[0] if len(self) == 1 else pixels).astype(dtype or pixels.dtype)
+
+    def __repr__(self) -> str:
+        more = [f"{len(these)} of a {name}" for name, these in (("sweep", self.sweep), ("stereo pair", self.stereo)) if these]
+        return f"Views({', '.join([str(one) for one in self.images] + more)})"
 
     def save(self, path: Path) -> None:
         """Write the files of ``holotrace show``: NAME.png, .jpg or .exr, NAME_2, ..., with those of a sweep and a stereo pair.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, List, Mapping, Optional, Type, Union
 
 from . import _core
@@ -29,6 +30,8 @@ def a(kind: Type[Noun], given: Any, what: str) -> Any:
         return given._core
     is_array = kind is Field and not isinstance(given, Noun)
     hint = "; make one with ht.Field(array, pitch=..., wavelength=...)" if is_array else ""
+    if isinstance(given, (str, os.PathLike)) and kind.__name__ in ("Scene", "Hologram", "Field", "Image"):
+        hint = f"; read one with ht.load_{kind.__name__.lower()}(path)"
     raise _core.Error(f"expected a {kind.__name__} {what}, got {type(given).__name__}{hint}")
 
 

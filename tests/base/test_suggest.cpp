@@ -16,6 +16,8 @@ TEST(Suggest, ExchangedLettersAreOneMistake) {
   EXPECT_EQ(nearest_name("urx", {"run", "render"}), "");
 }
 
+TEST(Suggest, OneLetterIsNotNearToAnother) { EXPECT_EQ(nearest_name("h", {"none", "x", "y"}), ""); }
+
 TEST(Suggest, ANameFarFromAllHasNoNeighbour) { EXPECT_EQ(nearest_name("temperature", {"pitch", "rows"}), ""); }
 
 // More than a third of its letters would have to change.

@@ -40,6 +40,22 @@ TEST(Models, FlagsOfModelsAreRefusedForScenes) {
   EXPECT_NE(outcome.err.find("expected --up with a model, got the scene scene.toml"), std::string::npos) << outcome.err;
 }
 
+// The square stands at 5 mm, 19.5 panel widths of 0.256 mm; its depth of focus there is 2·532 nm·(5/0.256)² = 0.4 mm.
+TEST(Models, AFocusBesideTheModelIsAWarning) {
+  const Workplace work;
+  work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  work.write("p.toml", "columns = 32\nrows = 24\npitch = \"8 um\"\n");
+  const auto warnings = [&](const std::string& flag, const std::string& distance) {
+    const Outcome outcome = work.run({"run", "m.obj", "--slm", "p.toml", "--iterations", "2", "--paths", "1", "--floor",
+                                      "none", flag, distance, "-o", "out"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_NE(warnings("--distance", "9 mm").find("the camera focuses at 9 mm, and the scene is "), std::string::npos);
+  EXPECT_EQ(warnings("--distance", "5.2 mm").find("the camera focuses at"), std::string::npos);
+  EXPECT_EQ(warnings("--model-distance", "9 mm").find("the camera focuses at"), std::string::npos);
+}
+
 TEST(Models, WavelengthsThatAreGivenAreNotSaidToBeChosen) {
   const Workplace work;
   work.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");

@@ -86,6 +86,22 @@ TEST(Commands, InfoKnowsEveryKindOfFile) {
   }
 }
 
+TEST(Commands, InfoSaysWhatWasDoneForAPanel) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  succeed(work, {"run", "scene.toml", "-o", "out"});
+  succeed(work, {"display", "out/hologram.png", "-o", "panel.bmp", "--flip", "x"});
+  const auto facts = nlohmann::json::parse(succeed(work, {"info", "panel.bmp", "--json"}));
+  EXPECT_EQ(facts, nlohmann::json({{"kind", "picture for a panel"}, {"flip", "x"}}));
+}
+
+TEST(Commands, InfoKnowsThatANameIsThatOfAPanel) {
+  const Workplace work;
+  EXPECT_EQ(
+      work.run({"info", "pluto"}).err,
+      "holotrace: expected a file or folder at pluto, but there is none; pluto is a panel: holotrace info --slm pluto\n");
+}
+
 // A panel of the user's is marked and hides the built-in one of its name; one that cannot be read does not hide the others.
 TEST(Commands, InfoListsPanels) {
   const Workplace work;

@@ -131,6 +131,14 @@ def test_some_sentences():
             CALLS[call](value)
 
 
+def test_a_long_bare_length_is_meant_in_another_unit():
+    """A text says what it means."""
+    field = ht.Field(np.ones((8, 8)), pitch="8 um", wavelength="532 nm")
+    with pytest.raises(ht.Error, match='expected metres for "distance", got 300; write "300 mm", or "300 m" if you mean it'):
+        ht.propagate(field, 300)
+    assert ht.propagate(field, "300 m").z == 300
+
+
 def test_metres_without_their_exponent():
     with pytest.raises(ht.Error, match='expected a pitch in metres of at most 100 mm, got 8 m; write "8 um"'):
         ht.Field(GOOD, pitch=8, wavelength="532 nm")

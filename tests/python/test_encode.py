@@ -85,6 +85,17 @@ def test_frames_of_a_focal_stack_are_the_program(tmp_path, program):
             for one, name in zip(frames, ("h.png", "h_2.png"))] == [True, True]
 
 
+def test_an_array_with_a_wavelength_is_a_target_picture():
+    given = dict(wavelength="532 nm", target_distances="50 mm", method="gerchberg-saxton", iterations=2)
+    panel, pixels = ht.Slm("pluto", columns=40, rows=32), np.random.default_rng(5).uniform(size=(32, 40))
+    assert equal(ht.encode(pixels, panel, **given).level, ht.encode(ht.Image(pixels), panel, **given).level)
+
+
+def test_a_path_in_place_of_what_it_holds_is_an_error_that_says_what_reads_it():
+    with pytest.raises(ht.Error, match=r"expected a Scene to run, got str; read one with ht.load_scene\(path\)"):
+        ht.run("scene.toml")
+
+
 def test_encode_says_what_is_missing(waves):
     with pytest.raises(ht.Error, match="a picture has no wavelength; give its wavelength"):
         ht.encode(ht.Image(np.ones((4, 4))))

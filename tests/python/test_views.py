@@ -49,6 +49,15 @@ def test_view_of_frames_and_colours_is_the_program_bit_by_bit(tmp_path, program,
     assert [one["stage"] for one in views.report["stages"]] == [one["stage"] for one in stages]
 
 
+def test_views_are_a_sequence_of_pictures_and_an_array():
+    views = ht.view(hologram_at(532e-9), distances="90, 100 mm")
+    assert len(views) == 2 and views[0] is views.image and list(views) == views.images
+    np.testing.assert_array_equal(np.asarray(views), np.stack([np.asarray(one) for one in views]))
+    one = ht.view(hologram_at(532e-9), distances="90 mm")
+    np.testing.assert_array_equal(np.asarray(one, dtype=np.float64), np.asarray(one[0]).astype(np.float64))
+    assert repr(one) == f"Views({one[0]})"
+
+
 @pytest.mark.parametrize("name, count", [("v.png", 6), ("v.gif", 1), ("v.webp", 1), ("v_##.png", 3)])
 def test_view_of_a_sweep_is_the_program_bit_by_bit(tmp_path, program, folders, name, count):
     """A view, three pictures, their animation and their chart; or the animation or the pictures alone."""

@@ -71,7 +71,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
     const bool is_one_word = letters > beginning && candidate.starts_with(name.substr(0, beginning)) && name[0] != '-';
     const size_t most = is_one_word ? letters / 2 : std::max<size_t>(letters / 3, 1);
     const size_t distance = edit_distance(name, candidate);
-    if (distance <= most && distance < best_distance) {
+    if (distance <= most && distance < best_distance && distance < name.size()) {  // one letter is not near another
       best_distance = distance;
       best = candidate;
     }

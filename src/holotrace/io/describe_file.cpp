@@ -344,6 +344,11 @@ Json describe_file(const std::string& path, Outside outside) {
   if (extension == ".toml") return describe(load_job(path, outside));
   if (extension == ".ply") return describe_ply(path, outside);
   if (is_mesh_file(path)) return describe(load_meshes(path, outside));
+  if (Json done = done_to_panel_image(path); !done.is_null()) {
+    Json json = {{"kind", "picture for a panel"}};
+    json.update(done);
+    return json;
+  }
   if (is_hologram_file(path) || is_panel_table(path)) return describe_hologram(load_hologram(path));
   if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));
   if (is_field_file(path)) return describe(load_fields_double(path, outside));

@@ -167,6 +167,25 @@ void warn_of_sparse_planes(const Job& job, const Observer& observer) {
 
 namespace {
 
+// Says so if no view is focused where the scene is.
+void warn_of_focus_beside(const Job& job, const Observer& observer) {
+  const FocusScale scale(job);
+  constexpr double near = 4;  // depths of focus
+  const std::vector<DepthRange> ranges = ranges_of(job);
+  double nearest = INFINITY, farthest = -INFINITY;
+  for (const DepthRange& range : ranges) {
+    for (const double seen : job.camera.distances)
+      if (scale.at(seen) > scale.at(range.nearest) - near && scale.at(seen) < scale.at(range.farthest) + near) return;
+    nearest = std::min(nearest, range.nearest);
+    farthest = std::max(farthest, range.farthest);
+  }
+  if (ranges.empty() || job.camera.distances.empty()) return;
+  observer.warn(fmt::format(
+      "the camera focuses at {}, and the scene is {} to {} from the panel: nothing is sharp in the view; leave the "
+      "camera's distance out, or move the scene (a model alone: --model-distance)",
+      format_length(job.camera.distances.front()), format_length(nearest), format_length(farthest)));
+}
+
 double shared_wavelength(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
 
 // Side of the panel's part that a place p of a plane at distance d sees: |a − p| ≤ reach.
@@ -258,6 +277,7 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
   SceneTargets targets;
   targets.distances = target_distances_of(job);
   warn_of_sparse_planes(job, observer);
+  warn_of_focus_beside(job, observer);
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
     for (const double distance : distances)
       require(distance != 0,

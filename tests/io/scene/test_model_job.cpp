@@ -83,6 +83,25 @@ TEST(ModelJob, AnotherPanelPlacesTheModelForItself) {
   EXPECT_NEAR((box.low.z + box.high.z) / 2, -2.048e-3 * 300 / 15.36, 1e-15);
 }
 
+// The size is that of the view, which is as wide as the panel wherever the model stands; the lamps come along.
+TEST(ModelJob, AModelStandsAtTheDistanceThatIsGiven) {
+  const std::string file = test::make_file("m.obj", letter());
+  ModelParams params = upright_model();
+  const Job job = job_of(file, params);
+  params.model_distance = 0.12;
+  const Job nearer = job_of(file, params);
+  const Box box = box_of(job), near_box = box_of(nearer);
+  EXPECT_NEAR(length(near_box.low - box.low - Vec3{0, 0, 0.18}), 0, 1e-15);
+  EXPECT_NEAR(length(near_box.high - box.high - Vec3{0, 0, 0.18}), 0, 1e-15);
+  for (const double distance : nearer.camera.distances) {
+    EXPECT_GE(distance, -near_box.high.z);
+    EXPECT_LE(distance, -near_box.low.z);
+  }
+  const auto key = std::get<RectangleLight>(job.scene.lights[0]),
+             near_key = std::get<RectangleLight>(nearer.scene.lights[0]);
+  EXPECT_NEAR(length(near_key.edge_u), 0.4 * length(key.edge_u), 1e-15);  // 120 mm of 300 mm
+}
+
 // The floor touches the lowest point; its normal is up, which seen from 18° above is (0, cos 18°, sin 18°).
 TEST(ModelJob, TheModelStandsOnAFloorThatFades) {
   const Job job = job_of(test::make_file("m.obj", letter()));

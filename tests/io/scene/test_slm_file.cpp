@@ -222,6 +222,9 @@ aberration = [{ n = 2, m = -2, rms = "0.25 rad" }]
   file_in(folder, "c.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\nfil_factor = 1\n");
   EXPECT_EQ(sentence_in(folder, [] { slm_preset("c"); }),
             "c.toml:4:1: unknown key \"fil_factor\"; did you mean \"fill_factor\"?");
+  file_in(folder, "e.toml", "columns = 10\nrows = 10\n");
+  EXPECT_EQ(sentence_in(folder, [] { slm_preset("e"); }),
+            "e.toml:1:1: expected the key \"pitch\" in the panel, which is missing");
   file_in(folder, "d.toml", "columns = 10\nrows = 10\npitch = \"8 um\"\ndead_pixels = [[10, 0, 1]]\n");
   EXPECT_EQ(sentence_in(folder, [] { slm_preset("d"); }),
             "d.toml:1:1: expected dead pixels on the panel of 10 × 10 pixels, got column 10, row 0");

@@ -21,6 +21,7 @@ struct ModelParams {
   std::vector<std::string> rotation{};  ///< turns of the upright model on its floor, one after the other; none: chosen
   double fit = 0.8;                     ///< part of the view's width or height that the model takes
   ModelFloor floor = ModelFloor::round;
+  double model_distance = 0;  ///< from the panel to the model's middle [m]; 0: 19.5 panel widths
 };
 
 template <class Visitor>
@@ -40,6 +41,8 @@ void describe(Visitor&& v, ModelParams& p) {
   v(number("fit", p.fit, range::fraction_above_0, "models: part of the view's width or height that the model takes"));
   v(choice("floor", p.floor, {{"round", ModelFloor::round}, {"none", ModelFloor::none}},
            "models: what the model stands on: a round floor that fades towards its edge, or nothing"));
+  v(length("model_distance", p.model_distance, range::not_negative,
+           "models: distance from the panel to the middle of the model; 0 m: 19.5 panel widths, 300 mm for pluto"));
 }
 
 }  // namespace holotrace

@@ -230,6 +230,16 @@ bool has_kind(const nlohmann::json& json) {
          (json["kind"] == panel_image_kind || json["kind"] == hologram_kind);
 }
 
+nlohmann::ordered_json done_to_panel_image(const std::string& path) {
+  const std::filesystem::path sidecar = sidecar_path(path);
+  if (!is_file(sidecar)) return nullptr;
+  nlohmann::ordered_json json = parse_json_if_sound(read_text(sidecar));
+  if (!has_kind(json) || json["kind"] != panel_image_kind) return nullptr;
+  json.erase("kind");
+  json.erase("files");
+  return json;
+}
+
 FileRecord record_beside(const std::string& path) {
   const std::filesystem::path sidecar = sidecar_path(path);
   if (!is_file(sidecar)) return {};

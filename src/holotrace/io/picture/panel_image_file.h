@@ -43,6 +43,9 @@ bool has_kind(const nlohmann::json& json);
 void save_panel_images(const OutputSet& set, const std::string& name, const std::vector<PanelImage>& images,
                        const std::map<std::string, std::string>& done);
 
+/// What was done to the holograms of a picture for a panel, by flag, as the metadata beside it say; null for another file.
+nlohmann::ordered_json done_to_panel_image(const std::string& path);
+
 /// The record in the metadata beside a file, and these metadata; empty without them.
 FileRecord record_beside(const std::string& path);
 

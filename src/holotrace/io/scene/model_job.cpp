@@ -260,7 +260,7 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   check_ranges(params);
   LoadedModel model = load_meshes(path, outside);
   const Grid& panel = slm.grid;
-  const double distance = depth_in_widths * panel.width();
+  const double distance = params.model_distance > 0 ? params.model_distance : depth_in_widths * panel.width();
   move(upright(params.up), model.meshes);
   require(!model.meshes.empty(), "{}: expected a model with triangles or points, got none", path);
   const std::string extension = extension_of(path);

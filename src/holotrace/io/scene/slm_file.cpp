@@ -223,6 +223,8 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   if (extension_of(base) == ".toml") base = fs::path(table.beside("preset", base)).lexically_normal().string();
   Slm slm;
   if (!base.empty()) table.locate("preset", [&] { slm = load_panel(base, chain); });
+  for (const char* key : {"columns", "rows", "pitch"})
+    if (base.empty() && !(std::string_view(key) == "pitch" && table.has("pitch_x"))) table.require_key(key);
   const Slm standard = slm;
   table.count("columns", slm.grid.nx, range::at_least(1));
   table.count("rows", slm.grid.ny, range::at_least(1));
