@@ -36,8 +36,9 @@ def machine(program):
     """What bytes depend on beside the program: the processor, its instruction set, and the libraries of this machine."""
     info = pathlib.Path("/proc/cpuinfo")
     text = info.read_text() if info.exists() else ""
-    facts = dict(re.findall(r"^(model name|cpu family|model|stepping|flags|Features)\s*: (.*)$", text, re.M))
-    name = " ".join(facts.get(key, "") for key in ("model name", "cpu family", "model", "stepping")).strip()
+    keys = ("model name", "cpu family", "model", "stepping", "CPU implementer", "CPU part")  # the last two of ARM
+    facts = dict(re.findall(rf"^({'|'.join(keys)}|flags|Features)\s*: (.*)$", text, re.M))
+    name = " ".join(facts.get(key, "") for key in keys).strip()
     libraries = {os.path.basename(os.path.realpath(path)) for path in re.findall(r"=> (/\S+)", output_of(["ldd", program]))}
     return {"processor": name or platform.processor() or platform.machine(), "processors": os.cpu_count(),
             "instructions": sorted(facts.get("flags", facts.get("Features", "")).split()), "libraries": sorted(libraries)}

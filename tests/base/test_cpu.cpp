@@ -4,6 +4,7 @@
 #include <sstream>
 #include <string>
 
+#include "holotrace/base/arm_processor.h"
 #include "holotrace/base/machine.h"
 
 namespace holotrace {
@@ -25,9 +26,23 @@ bool system_has(const std::string& flag) {
 }
 
 TEST(Cpu, NameIsTheOneThatTheSystemGives) {
+#if defined(__aarch64__)
+  // Linux gives the numbers of an ARM processor, and QEMU before version 9 those of the one that it runs on.
+  const std::string implementer = system_says("CPU implementer"), part = system_says("CPU part");
+  if (implementer.empty() || part.empty()) GTEST_SKIP() << "the system names no ARM processor";
+  EXPECT_EQ(cpu_name(),
+            arm_processor_name(std::stoull(implementer, nullptr, 16) << 24 | std::stoull(part, nullptr, 16) << 4));
+#else
   const std::string said = system_says("model name");
   if (said.empty()) GTEST_SKIP() << "the system names no processor";
   EXPECT_EQ(cpu_name(), said);
+#endif
+}
+
+TEST(Cpu, ArmProcessorsAreNamedByTheirNumbers) {
+  EXPECT_EQ(arm_processor_name(0x410fd083), "ARM Cortex-A72") << "of a Raspberry Pi 4, r0p3";
+  EXPECT_EQ(arm_processor_name(0x413fd0c1), "ARM Neoverse-N1") << "of an AWS Graviton 2, r3p1";
+  EXPECT_EQ(arm_processor_name(0x000f0510), "ARM processor 0x00, part 0x051") << "of QEMU, processor max";
 }
 
 TEST(Cpu, ReducedPrecisionIsFoundWhereTheSystemListsIt) {

@@ -1,4 +1,6 @@
-// The same input and seed give the same bytes, on any number of threads, in the first run on a machine and later.
+// The same input and seed give the same bytes, on any number of threads, in the first run on a machine and later. These and all
+// other tests that compare bytes compare results of one processor; tests/compare_processors.py compares those of two, by
+// tolerance. Across processors only integers hold exactly: random numbers (test_random.cpp) and files of given content.
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,12 @@
+#include "holotrace/base/arm_processor.h"
 #include "holotrace/base/machine.h"
 
 #if defined(__x86_64__)
 #include <cpuid.h>
+#endif
+#if defined(__aarch64__) && defined(__linux__)
+#include <asm/hwcap.h>
+#include <sys/auxv.h>
 #endif
 #if defined(__linux__)
 #include <sys/syscall.h>
@@ -88,7 +93,17 @@ bool enable_amx_bf16() {
 
 #else
 
-std::string cpu_name() { return "unknown processor"; }
+std::string cpu_name() {
+#if defined(__aarch64__) && defined(__linux__)
+  if (getauxval(AT_HWCAP) & HWCAP_CPUID) {  // the system answers for the register, which only it can read
+    uint64_t midr;
+    __asm__("mrs %0, MIDR_EL1" : "=r"(midr));
+    return arm_processor_name(midr);
+  }
+#endif
+  return "unknown processor";
+}
+
 bool has_avx512_bf16() { return false; }
 bool enable_amx_bf16() { return false; }
 

@@ -18,8 +18,9 @@ namespace {
 
 // The instruction sets that run here, as bits of Highway; the lowest bit is the best one.
 std::vector<int64_t> targets_here() {
+  constexpr bool is_only_one = (HWY_TARGETS & (HWY_TARGETS - 1)) == 0;  // then every processor of its kind has it
   std::vector<int64_t> targets;
-  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+  for (int64_t left = is_only_one ? HWY_TARGETS : hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
     const int64_t target = left & -left;
     const bool is_covered = target & (HWY_SSSE3 | HWY_SCALAR | HWY_EMU128);
     if (!is_covered || targets.empty()) targets.push_back(target);

@@ -27,7 +27,7 @@ std::string first_bytes(const std::string& path) {
 
 bool is_text(std::string_view bytes) {
   return std::none_of(bytes.begin(), bytes.end(),
-                      [](char c) { return (c >= 0 && c < ' ' && c != '\t' && c != '\r' && c != '\n') || c == 127; });
+                      [](unsigned char c) { return (c < ' ' && c != '\t' && c != '\r' && c != '\n') || c == 127; });
 }
 
 struct Kind {
