@@ -68,7 +68,7 @@ class TheVersion(unittest.TestCase):
         self.assertEqual(re.search(source["regex"], text_of(source["input"])).group("value"), VERSION)
 
     def test_is_that_of_the_changelog(self):
-        self.assertEqual(re.search(r"^## (\S+)", text_of("CHANGELOG.md"), re.M).group(1), VERSION)
+        self.assertEqual(re.search(r"^## (\d\S*)", text_of("CHANGELOG.md"), re.M).group(1), VERSION)
 
     def test_is_that_of_the_citation(self):
         self.assertEqual(yaml_of("CITATION.cff")["version"], VERSION)
