@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -32,6 +33,7 @@ struct GlobalFlags {
 
 // Each function adds its subcommands with their flags and actions.
 void add_scene_commands(CLI::App& app, const GlobalFlags& global);  // run, render, trace
+void add_animate_command(CLI::App& app, const GlobalFlags& global);
 void add_field_command(CLI::App& app, const GlobalFlags& global);
 void add_encode_command(CLI::App& app, const GlobalFlags& global);
 void add_show_command(CLI::App& app, const GlobalFlags& global);
@@ -80,6 +82,21 @@ inline void add_slm(CLI::App& command, std::string& name, const std::string& oth
       ->type_name("NAME|FILE.toml");
 }
 
+/// Adds `--time`.
+inline void add_time(CLI::App& command, std::string& text) {
+  command
+      .add_option(
+          "--time", text,
+          "time of the scene, at which its keys over time and the animations of its models are read [the scene's, or 0 s]")
+      ->type_name("TIME");
+}
+
+/// The time of the text of `--time` [s]; nothing if it was not given. @throws Error for a text that is no time
+inline std::optional<double> parse_scene_time(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  return parse_time_flag("--time", text);
+}
+
 /// Extensions of the formats for fields; EXR has single precision only.
 inline std::vector<std::string> field_extensions(bool is_double) {
   return is_double ? std::vector<std::string>{".npy", ".h5"} : std::vector<std::string>{".npy", ".h5", ".exr"};
@@ -88,8 +105,8 @@ inline std::vector<std::string> field_extensions(bool is_double) {
 /// load_job, with its warnings on stderr: for all commands but `run`, whose first stage reports them.
 /// @throws Error as load_job does
 inline Job load_scene(const std::string& path, Outside outside, const ModelParams& model = {},
-                      const std::string& slm = "") {
-  Job job = load_job(path, outside, model, slm);
+                      const std::string& slm = "", std::optional<double> time = std::nullopt) {
+  Job job = load_job(path, outside, model, slm, time);
   for (const std::string& warning : job.warnings) say("warning: scene: {}\n", printable(warning));
   return job;
 }

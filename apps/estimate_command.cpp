@@ -69,7 +69,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       "predicted time of a run, stage by stage, and what real-time display would need; measured by short "
       "probes");
   struct Options {
-    std::string scene;
+    std::string scene, time;
     double frames_per_second = 30;
     bool is_json = false, has_accelerators = false;
   };
@@ -77,6 +77,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
   command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
       ->required()
       ->type_name("SCENE.toml");
+  add_time(*command, o->time);
   command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second [30]")
       ->type_name("NUMBER");
   command->add_flag(
@@ -86,8 +87,8 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o, &global] {
     check_flag("--fps", o->frames_per_second, range::above_to(0, 1e6), Quantity::number);
-    const CostAnswer a =
-        answer_about_cost(load_scene(o->scene, global.outside()), o->frames_per_second, o->has_accelerators);
+    const CostAnswer a = answer_about_cost(load_scene(o->scene, global.outside(), {}, "", parse_scene_time(o->time)),
+                                           o->frames_per_second, o->has_accelerators);
     if (o->is_json)
       fmt::print("{}\n", cost_json(a).dump(2));
     else

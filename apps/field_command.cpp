@@ -224,7 +224,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("field", "field on the panel from a scene, sources or a picture with depths");
   struct Options {
     std::vector<std::string> inputs;
-    std::string output, slm, wavelengths, memory, report;
+    std::string output, slm, time, wavelengths, memory, report;
     std::optional<uint32_t> frame;
     bool is_double = false;
     PanelFlags panel;
@@ -239,6 +239,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
   add_output(*command, o->output,
              "field file: .npy (with a sidecar .npy.json), .h5 or .exr; one per path group and light: NAME, NAME_2, …");
   add_slm(*command, o->slm, "the scene's, or pluto");
+  add_time(*command, o->time);
   o->panel.add(*command);
   add_wavelength(*command, o->wavelengths);
   command
@@ -280,7 +281,7 @@ void add_field_command(CLI::App& app, const GlobalFlags& global) {
     Job job;
     job.slm = slm_preset("pluto");
     if (is_scene)
-      job = load_scene(o->inputs.front(), global.outside(), {}, o->slm);
+      job = load_scene(o->inputs.front(), global.outside(), {}, o->slm, parse_scene_time(o->time));
     else if (!o->slm.empty())
       job.slm = load_slm(o->slm);
     o->panel.apply(job.slm.grid);

@@ -20,11 +20,19 @@ std::string with_bounds(const std::string& help, const Range& range, Quantity qu
   return is_plain || bounds.empty() ? help : fmt::format("{} ({})", help, bounds);
 }
 
-std::string format_lengths(const std::vector<double>& metres) {
+namespace {
+
+template <class Format>
+std::string joined(const std::vector<double>& values, const Format& format) {
   std::string text;
-  for (const double value : metres) text += (text.empty() ? "" : ", ") + format_length(value);
+  for (const double value : values) text += (text.empty() ? "" : ", ") + format(value);
   return text;
 }
+
+}  // namespace
+
+std::string format_lengths(const std::vector<double>& metres) { return joined(metres, format_length); }
+std::string format_times(const std::vector<double>& seconds) { return joined(seconds, format_time); }
 
 std::string dashed(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
@@ -36,11 +44,15 @@ void check_flag(const char* flag, double value, const Range& range, Quantity qua
 }
 
 double parse_length_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] { return length_within(text, range, flag); });
+  return read_flag(flag, [&] { return value_within(text, range, flag, Quantity::length); });
 }
 
 double parse_angle_flag(const char* flag, const std::string& text, const Range& range) {
-  return read_flag(flag, [&] { return angle_within(text, range); });
+  return read_flag(flag, [&] { return value_within(text, range, flag, Quantity::angle); });
+}
+
+double parse_time_flag(const char* flag, const std::string& text) {
+  return read_flag(flag, [&] { return value_within(text, range::any, flag, Quantity::time); });
 }
 
 double parse_size_flag(const char* flag, const std::string& text) {
@@ -49,12 +61,12 @@ double parse_size_flag(const char* flag, const std::string& text) {
 
 double parse_wavelength_flag(const std::string& text) {
   return read_flag("--wavelength",
-                   [&] { return length_within(text, range::positive, "--wavelength", Quantity::wavelength); });
+                   [&] { return value_within(text, range::positive, "--wavelength", Quantity::wavelength); });
 }
 
 std::vector<double> parse_wavelengths_flag(const std::string& text) {
   return read_flag("--wavelength",
-                   [&] { return lengths_within(text, range::positive, "--wavelength", Quantity::wavelength); });
+                   [&] { return values_within(text, range::positive, "--wavelength", Quantity::wavelength); });
 }
 
 void Flags::add_flag(CLI::App& command, const std::string& name, const FlagText& text, const std::string& group,

@@ -23,10 +23,11 @@ std::string dashed(std::string name);
 /// Checks a number of a flag that is not in a parameter struct. @throws Error, naming the flag, outside the range
 void check_flag(const char* flag, double value, const Range& range, Quantity quantity);
 
-/// A length [m], an angle [rad] or a size [bytes] from the text of a flag that is not in a parameter struct.
+/// A length [m], an angle [rad], a time [s] or a size [bytes] from the text of a flag that is not in a parameter struct.
 /// @throws Error, naming the flag, if the text is invalid or outside the range
 double parse_length_flag(const char* flag, const std::string& text, const Range& range);
 double parse_angle_flag(const char* flag, const std::string& text, const Range& range);
+double parse_time_flag(const char* flag, const std::string& text);
 double parse_size_flag(const char* flag, const std::string& text);
 
 /// A wavelength [m], or several, from the text of --wavelength: lengths above 0, or names of lights.
@@ -43,6 +44,7 @@ struct FlagText {
 std::string with_bounds(const std::string& help, const Range& range, Quantity quantity);
 
 std::string format_lengths(const std::vector<double>& metres);
+std::string format_times(const std::vector<double>& seconds);
 
 template <class Value>
 FlagText flag_text(const Parameter<Value>& p) {
@@ -56,13 +58,16 @@ FlagText flag_text(const Parameter<Value>& p) {
   else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
     return {"TEXTS", help, fmt::format("{}", fmt::join(p.value, ", "))};
   else if constexpr (std::is_same_v<Value, std::vector<double>>)
-    return {"LENGTHS", help, format_lengths(p.value)};
+    return p.quantity == Quantity::time ? FlagText{"TIMES", help, format_times(p.value)}
+                                        : FlagText{"LENGTHS", help, format_lengths(p.value)};
   else if constexpr (std::is_same_v<Value, Vec3>)
     return {"LENGTHS", p.help, format_lengths({p.value.x, p.value.y, p.value.z})};
   else if (is_length(p.quantity))
     return {p.quantity == Quantity::wavelength ? "WAVELENGTH" : "LENGTH", help, format_length(p.value)};
   else if (p.quantity == Quantity::angle)
     return {"ANGLE", help, format_angle(p.value)};
+  else if (p.quantity == Quantity::time)
+    return {"TIME", help, format_time(p.value)};
   else if (p.quantity == Quantity::number)
     return {"NUMBER", help, fmt::format("{:g}", double(p.value))};
   else

@@ -100,6 +100,7 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, size_t(threads));
   });
   add_scene_commands(app, global);
+  add_animate_command(app, global);
   add_field_command(app, global);
   add_encode_command(app, global);
   add_show_command(app, global);

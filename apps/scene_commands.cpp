@@ -17,7 +17,6 @@
 #include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/files/output_set.h"
-#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/run/save_run.h"
@@ -32,69 +31,11 @@
 #include "holotrace/view/camera.h"
 #include "holotrace/view/expose.h"
 #include "holotrace/view/stereo.h"
-#include "interrupts.h"
 #include "rank_links.h"
+#include "run_flags.h"
 
 namespace holotrace {
 namespace {
-
-// Help with examples and the common flags, where --help-all has all of them.
-class ShortHelp : public CLI::Formatter {
- public:
-  ShortHelp(const std::vector<std::string>& examples, const std::vector<std::string>& flags) : flags_(flags) {
-    for (const std::string& example : examples) examples_ += "  " + example + "\n";
-  }
-
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-    if (mode == CLI::AppFormatMode::All) return Formatter::make_help(app, name, CLI::AppFormatMode::Normal);
-    const auto is_common = [&](const CLI::Option* option) {
-      return std::any_of(flags_.begin(), flags_.end(),
-                         [&](const std::string& flag) { return option->check_name(flag); });
-    };
-    return make_description(app) + make_usage(app, name) + "\nExamples:\n" + examples_ + make_positionals(app) +
-           make_group("Common options", false, app->get_options(is_common)) + "\n" + make_footer(app);
-  }
-
- private:
-  std::vector<std::string> flags_;
-  std::string examples_;
-};
-
-void shorten_help(CLI::App& command, const std::vector<std::string>& examples, const std::vector<std::string>& flags) {
-  command.set_help_all_flag("--help-all", "Print all flags and exit");
-  const auto help = std::make_shared<ShortHelp>(examples, flags);
-  help->column_width(command.get_formatter()->get_column_width());
-  command.formatter(help);
-}
-
-void add_scene(CLI::App& command, std::string& path) {
-  command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
-      ->required()
-      ->type_name("SCENE.toml|MESH");
-}
-
-// How a model without a scene is shown, and the panel.
-struct ModelFlags {
-  std::string slm;
-  Flags flags{};
-
-  void add(CLI::App& command) {
-    add_slm(command, slm, "the scene's; models, which are placed to fill its view: pluto");
-    flags.add(command, ModelParams(), {}, "Models (files of meshes or points in place of a scene)");
-  }
-
-  ModelParams params(const std::string& scene) const {
-    ModelParams model;
-    flags.apply(model);
-    for (const char* name : {"up", "rotation", "fit", "floor", "model_distance"})
-      require(!flags.has(name) || is_mesh_file(scene),
-              "expected {} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
-              dashed(name), scene);
-    return model;
-  }
-};
-
-constexpr const char* trace_group = "Tracing (overrides the scene's [trace])";
 
 // Writes pictures as NAME, NAME_2, …, in place of those of an earlier call.
 void save_pictures(const std::string& output, const std::vector<Image>& pictures) {
@@ -118,41 +59,12 @@ void print_comparison(const JobEstimate& estimate, const std::vector<StageCompar
   fmt::print("The estimate itself took {:.1f} s.\n", estimate.probe_seconds);
 }
 
-// While the result exists, an interrupt waits: the files of a run get their names, and are all there afterwards.
-std::shared_ptr<void> defer_interrupts() {
-  const auto end = [](DeferInterrupts* deferred) {
-    say_on_interrupt("holotrace: interrupted; the files of this call are written\n");
-    delete deferred;
-  };
-  return std::shared_ptr<DeferInterrupts>(new DeferInterrupts, end);
-}
-
-// The light paths of pictures are those of [render]: flags of [trace] that describe paths count for them.
-void follow_paths_as_traced(const Flags& given, Job& job) {
-  if (given.has("paths")) job.render.paths = job.trace.paths;
-  if (given.has("max_depth")) job.render.max_depth = job.trace.max_depth;
-  if (given.has("roulette_depth")) job.render.roulette_depth = job.trace.roulette_depth;
-  if (given.has("clamp")) job.render.clamp = job.trace.clamp;
-}
-
-// The light of holograms is for the eye that looks, unless the scene asks for waves or for the whole space before the panel.
-void aim_at_eye_of_camera(Job& job) {
-  const EncodeParams& encode = job.encode;
-  const bool may_aim = (encode.method == Encoding::automatic || encode.method == Encoding::sgd) &&
-                       (encode.target == EncodeTarget::automatic || encode.target == EncodeTarget::render);
-  const Vec3& eye = job.camera.eye;
-  if (may_aim && encode.eye.empty() && eye.z > 0) job.encode.eye = {eye.x, eye.y, eye.z};
-}
-
 void add_run(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
-    std::string scene, folder, wavelengths, eye_separation, checkpoint;
-    std::optional<int64_t> seed;
+    std::string scene, folder, checkpoint;
     bool is_estimated = false;
-    ModelFlags model;
-    Flags flags, render_flags, encode_flags, trace_flags;  // separate sets, because some names occur twice
-    Flags synthesize_flags{{{"method", "synthesis"}}};     // --method is that of [encode]
+    RunFlags flags;
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
@@ -166,47 +78,17 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
           "outside the eyebox. --eye-separation adds stereo_left.png, … (renders) and holo_left.png, … (views)")
       ->required()
       ->type_name("DIR");
-  add_wavelength(*command, o->wavelengths);
-  o->model.add(*command);
-  command->add_option("--seed", o->seed, "seed for tracing, rendering and encoding [the scene's]")->type_name("N");
   command->add_flag("--estimate", o->is_estimated,
                     "estimate the job first, and compare the prediction with the outcome");
-  command
-      ->add_option("--eye-separation", o->eye_separation,
-                   "distance between two eyes along x: stereo pairs of render and view [the scene's]")
-      ->type_name("LENGTH");
   Checkpoints::add_flag(*command, o->checkpoint);
-  o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
-  o->encode_flags.add(*command, EncodeParams(),
-                      {"seed", "device", "resample", "target_columns", "target_rows", "eye", "pupil"},
-                      "Encoding (overrides the scene's [encode])");
-  o->render_flags.add_only(*command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
-  o->trace_flags.add(*command, TraceParams(), {"seed"}, trace_group);
-  o->synthesize_flags.add(*command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
+  o->flags.add(*command, true);
   shorten_help(*command,
                {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
                 "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
-               {"--output", "--slm", "--wavelength", "--quality", "--method", "--target", "--frames", "--distance",
-                "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
+               {"--output", "--slm", "--time", "--wavelength", "--quality", "--method", "--target", "--frames",
+                "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
   command->callback([o, &global] {
-    Job job = load_job(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
-    o->flags.apply(job.camera);
-    job.are_distances_given = job.are_distances_given || o->flags.has("distances");
-    o->render_flags.apply(job.render);
-    o->encode_flags.apply(job.encode);
-    o->trace_flags.apply(job.trace);
-    if (o->trace_flags.has("accelerator")) job.render.accelerator = job.trace.accelerator;
-    o->synthesize_flags.apply(job.synthesize);
-    set_wavelengths(o->wavelengths, job);
-    if (!o->eye_separation.empty())
-      job.render.eye_separation = parse_length_flag("--eye-separation", o->eye_separation, range::not_negative);
-    if (o->seed) check_flag("--seed", double(*o->seed), range::not_negative, Quantity::count);
-    if (o->seed) job.trace.seed = job.render.seed = job.encode.seed = *o->seed;
-    if (o->flags.has("eye")) aim_at_eye_of_camera(job);
-    job = choose_missing(std::move(job));
-    if (aims_at_scene(job)) follow_paths_as_traced(o->trace_flags, job);
-    check_field_fits(job.slm.grid, sizeof(std::complex<float>));
-    check_job(job);  // before a folder is made in vain
+    const Job job = o->flags.job(o->scene, global.outside());
     const Checkpoints checkpoints(o->checkpoint);
     require(
         !checkpoints.are_kept() || aims_at_scene(job),
@@ -262,7 +144,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
     std::string scene, output, report;
-    ModelFlags model;
+    SceneFlags read;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -271,11 +153,11 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
       *command, o->output,
       "image: .png, .jpg or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
-  o->model.add(*command);
+  o->read.add(*command);
   add_report(*command, o->report);
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
-    Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
+    Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds());
     o->flags.apply(job.render);
     job = choose_missing(std::move(job), Goal::waves);
     const bool is_stack = !job.render.focal_stack.empty();
@@ -316,18 +198,18 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("trace", "sources from a scene: waves that carry path-traced light");
   struct Options {
     std::string scene, output, wavelengths, report;
-    ModelFlags model;
+    SceneFlags read;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
   add_wavelength(*command, o->wavelengths);
   add_output(*command, o->output, "sources: .ply; one per wavelength, path group and light: NAME, NAME_2, …");
-  o->model.add(*command);
+  o->read.add(*command);
   add_report(*command, o->report);
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_scene(o->scene, global.outside(), o->model.params(o->scene), o->model.slm);
+    Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds());
     o->flags.apply(job.trace);
     set_wavelengths(o->wavelengths, job);
     job = choose_missing(std::move(job), Goal::waves);

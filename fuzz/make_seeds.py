@@ -147,6 +147,16 @@ def main():
     textured["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": len(picture)})
     textured["buffers"][0]["byteLength"] = len(data) + len(picture)
     seed("gltf", "textured", glb(textured, data + picture))
+    keys = struct.pack("<2f", 0, 1) + struct.pack("<8f", 0, 0, 0, 1, 0, 1, 0, 0)
+    animated, data = gltf(animations=[{"name": "turn", "samplers": [{"input": 3, "output": 4, "interpolation": "LINEAR"}], "channels": [
+        {"sampler": 0, "target": {"node": 1, "path": "rotation"}},
+        {"sampler": 0, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {
+            "pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor"}}}}]}])
+    animated["accessors"] += [{"bufferView": 3, "componentType": 5126, "count": 2, "type": "SCALAR"},
+                              {"bufferView": 3, "byteOffset": 8, "componentType": 5126, "count": 2, "type": "VEC4"}]
+    animated["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": len(keys)})
+    animated["buffers"][0]["byteLength"] = len(data) + len(keys)
+    seed("gltf", "animated", glb(animated, data + keys))
     sparse, data = gltf()
     sparse["accessors"][0]["sparse"] = {"count": 1, "indices": {"bufferView": 2, "componentType": 5125}, "values": {"bufferView": 0}}
     seed("gltf", "sparse", glb(sparse, data))

@@ -30,7 +30,7 @@ void set_param(const Parameter<Value>& p, nb::handle given) {
   } else if constexpr (std::is_same_v<Value, DeviceChoice>) {
     p.value = parse_device(to_text(given, p.name));
   } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
-    p.value = to_lengths(given, p.name);
+    p.value = to_lengths(given, p.name, p.quantity);
     for (const double one : p.value) check_named(one, p.range, p.quantity, p.name);
   } else if constexpr (std::is_same_v<Value, Vec3>) {
     p.value = to_position(given, p.name);
@@ -38,6 +38,7 @@ void set_param(const Parameter<Value>& p, nb::handle given) {
   } else if constexpr (std::is_same_v<Value, double>) {
     const double number = is_length(p.quantity)           ? to_length(given, p.name, p.quantity)
                           : p.quantity == Quantity::angle ? to_angle(given, p.name)
+                          : p.quantity == Quantity::time  ? to_time(given, p.name)
                                                           : to_number(given, p.name);
     check_named(number, p.range, p.quantity, p.name);
     p.value = number;

@@ -1,9 +1,11 @@
 // The verb run, and its files.
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/choose.h"
@@ -97,6 +99,16 @@ void bind_run_verbs(nb::module_& module) {
   module.def("holograms_of_run", [](const std::string& folder) { return list_complete_run(folder).holograms; });
   module.def("check_series", &check_series);
   module.def("save_run", &save);
+  module.def("save_film", [](const std::string& path, const nb::list& images, double fps, double white) {
+    std::vector<Image> pictures;
+    for (const nb::handle one : images) pictures.push_back(nb::cast<const Image&>(one));
+    require(std::isfinite(white) && white > 0, "expected a white above 0 for \"white\", got {}", white);
+    const nb::gil_scoped_release release;
+    for (Image& picture : pictures)
+      for (float& value : picture.values) value = float(value / white);
+    check_output(path, animation_endings);
+    save_film(path, {pictures.size(), [&](size_t i) { return pictures[i]; }}, fps);
+  });
 }
 
 }  // namespace holotrace::python

@@ -1,7 +1,9 @@
 // Scenes, and the verbs that trace them: render, focal_stack, trace, fields, run.
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/vector.h>
 
+#include <optional>
 #include <utility>
 
 #include "holotrace/data/job.h"
@@ -22,6 +24,11 @@ namespace {
 
 Outside outside_of(bool allow) { return allow ? Outside::allowed : Outside::refused; }
 
+std::optional<double> seconds_of(nb::handle time) {
+  if (time.is_none()) return std::nullopt;
+  return to_time(time, "time");
+}
+
 // The parameters of a stage of a job, by the name of its table in a scene file.
 template <class Use>
 void with_stage(Job& job, const std::string& stage, const Use& use) {
@@ -32,8 +39,9 @@ void with_stage(Job& job, const std::string& stage, const Use& use) {
   if (stage == "show") return use(job.show);
   if (stage == "propagate") return use(job.propagate);
   if (stage == "camera") return use(job.camera);
-  throw Error(
-      unknown_name_message("stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera"}));
+  if (stage == "animate") return use(job.animate);
+  throw Error(unknown_name_message(
+      "stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate"}));
 }
 
 // The parameters of renders of a job, with those that are given in their place.
@@ -93,14 +101,28 @@ std::vector<Field> fields_of_scene(const Job& given_job, const nb::dict& given, 
 void bind_scenes(nb::module_& module) {
   nb::class_<Job> job(module, "Job");
   bind_bytes<Job>(job);
-  job.def_static("load", [](const std::string& path, bool allow_outside) {
-    const nb::gil_scoped_release release;
-    return load_job(path, outside_of(allow_outside));
-  });
-  job.def_static("make", [](const nb::dict& dict, bool allow_outside) {
-    SceneArrays arrays;
-    const toml::table tables = to_table(dict, arrays);
-    return job_of_tables(tables, arrays, outside_of(allow_outside));
+  job.def_static(
+      "load",
+      [](const std::string& path, bool allow_outside, nb::handle time) {
+        const std::optional<double> at = seconds_of(time);
+        const nb::gil_scoped_release release;
+        return load_job(path, outside_of(allow_outside), {}, "", at);
+      },
+      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none());
+  job.def_static(
+      "make",
+      [](const nb::dict& dict, bool allow_outside, nb::handle time) {
+        SceneArrays arrays;
+        const toml::table tables = to_table(dict, arrays);
+        return job_of_tables(tables, arrays, outside_of(allow_outside), seconds_of(time));
+      },
+      nb::arg("tables"), nb::arg("allow_outside"), nb::arg("time").none());
+  job.def_ro("time", &Job::time);
+  job.def_ro("last_key", &Job::last_key);
+  job.def("times", [](const Job& j, const nb::dict& given) {
+    AnimateParams params = j.animate;
+    set_params(given, params);
+    return times_of(params, j.last_key);
   });
   job.def("set", [](Job& j, const std::string& stage, const nb::dict& given) {
     with_stage(j, stage, [&](auto& params) { set_params(given, params); });

@@ -4,6 +4,7 @@
 
 #include "holotrace/data/depth_image.h"
 #include "holotrace/data/named_light.h"
+#include "holotrace/data/params/animate.h"
 #include "holotrace/data/params/calibrate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
@@ -29,6 +30,7 @@ void bind_params(nb::module_& module) {
     stages["show"] = list_params(ShowParams());
     stages["propagate"] = list_params(PropagateParams());
     stages["camera"] = list_params(CameraParams());
+    stages["animate"] = list_params(AnimateParams());
     stages["patterns"] = list_params(TestPatternParams());
     stages["calibrate"] = list_params(CalibrateParams());
     stages["register"] = list_params(RegisterParams());

@@ -76,7 +76,7 @@ void check_named(double value, const Range& range, Quantity quantity, const char
 double to_length(nb::handle value, const char* name, Quantity quantity) {
   const double metres =
       to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",",
-                  [&](const std::string& text) { return length_within(text, range::any, name, quantity); });
+                  [&](const std::string& text) { return value_within(text, range::any, name, quantity); });
   constexpr double longest = 10;  // of a bare number: 300 is meant to be 300 mm
   require(is_text(value) || quantity == Quantity::wavelength || std::abs(metres) <= longest || !std::isfinite(metres),
           "expected metres for \"{0}\", got {1:g}; write \"{1:g} mm\", or \"{1:g} m\" if you mean it", name, metres);
@@ -87,17 +87,23 @@ double to_angle(nb::handle value, const char* name) {
   return to_quantity(value, name, "an angle in radians, or a text with its unit such as \"15 deg\",", parse_angle);
 }
 
+double to_time(nb::handle value, const char* name) {
+  return to_quantity(value, name, "a time in seconds, or a text with its unit such as \"0.5 s\",", parse_time);
+}
+
 std::vector<double> to_lengths(nb::handle value, const char* name, Quantity quantity) {
   if (is_text(value)) {
     try {
-      return lengths_within(as_text(value), range::any, name, quantity);
+      return values_within(as_text(value), range::any, name, quantity);
     } catch (const Error& error) {
       fail("{} for \"{}\"", error.what(), name);
     }
   }
-  if (is_number(value) && !PySequence_Check(value.ptr())) return {to_length(value, name, quantity)};
+  const bool are_times = quantity == Quantity::time;
+  const auto one = [&](nb::handle item) { return are_times ? to_time(item, name) : to_length(item, name, quantity); };
+  if (is_number(value) && !PySequence_Check(value.ptr())) return {one(value)};
   std::vector<double> lengths;
-  each_item(value, name, "lengths", [&](nb::handle item) { lengths.push_back(to_length(item, name, quantity)); });
+  each_item(value, name, are_times ? "times" : "lengths", [&](nb::handle item) { lengths.push_back(one(item)); });
   return lengths;
 }
 

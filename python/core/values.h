@@ -15,11 +15,12 @@ namespace holotrace::python {
 
 namespace nb = nanobind;
 
-/// Metres or radians; a wavelength may be the name of a light. @throws Error, naming the parameter, for other kinds of values and for texts without a unit
+/// Metres, radians or seconds; a wavelength may be the name of a light. @throws Error, naming the parameter, for other kinds of values and for texts without a unit
 double to_length(nb::handle value, const char* name, Quantity quantity = Quantity::length);
 double to_angle(nb::handle value, const char* name);
+double to_time(nb::handle value, const char* name);
 
-/// Metres from one length, a text of several lengths ("290, 310 mm") or a sequence of lengths. @throws Error
+/// Metres from one length, a text of several lengths ("290, 310 mm") or a sequence of lengths; seconds from times. @throws Error
 std::vector<double> to_lengths(nb::handle value, const char* name, Quantity quantity = Quantity::length);
 
 /// Three lengths. @throws Error

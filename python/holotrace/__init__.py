@@ -10,6 +10,7 @@ program reports, in the same words.
 """
 
 from . import widgets
+from ._animate import animate, save_film
 from ._core import Error, __version__
 from ._denoise import denoise
 from ._encode import Run, encode, encode_all, load_run, run, save_panel_images
@@ -49,6 +50,7 @@ __all__ = [
     "Views",
     "__version__",
     "anaglyph",
+    "animate",
     "calibrate",
     "calibration_patterns",
     "compare",
@@ -77,6 +79,7 @@ __all__ = [
     "render_pair",
     "run",
     "save_fields",
+    "save_film",
     "save_panel_images",
     "set_threads",
     "show",

@@ -163,6 +163,8 @@ class Run:
     stereo_white: float
     #: Seconds, facts, warnings and metrics of each stage, as in report.json.
     report: Dict[str, Any]
+    #: Time of the scene [s].
+    time: float
     #: The core's own record of the run, from which its files follow; None after ``load_run``.
     _record: Any = field(repr=False)
 
@@ -233,5 +235,6 @@ def _run_of(made: Mapping[str, Any], report: Dict[str, Any], record: Any) -> Run
         stereo_renders=[Image._of(core) for core in made["stereo_renders"]],
         stereo_views=[Image._of(core) for core in made["stereo_views"]],
         report=report,
+        time=float(report.get("time_s", 0.0)),
         _record=record,
     )

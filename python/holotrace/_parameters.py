@@ -20,6 +20,8 @@ _KINDS = {
     "lengths": "lengths",
     "wavelength": "wavelength",
     "angle": "angle",
+    "time": "time",
+    "times": "times",
     "position": "three lengths",
     "flag": "bool",
     "texts": "texts",

@@ -16,10 +16,10 @@ from ._images import FocalStack, Image
 from ._noun import Noun
 from ._parameters import refuse, takes
 from ._progress import Progress, watching
-from ._units import Length, Lengths, format_length
+from ._units import Length, Lengths, Time, format_length
 from ._waves import Panel, a, panel
 
-STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera")
+STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate")
 
 
 def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
@@ -95,18 +95,25 @@ class Scene(Noun):
     Lengths and angles are numbers in SI units, or texts with a unit. An array, or an Image, stands where a file names a
     picture. Objects may have arrays: ``vertices`` (n, 3) and ``faces`` (m, 3), with ``normals``, ``uv`` and ``colours``
     for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``.
+
+    ``time``: the time at which keys over time are read, such as ``"position": {"0 s": (0, 0, -0.3), "1 s": (0.01, 0, -0.3)}``.
     """
 
     __slots__ = ()
 
     def __init__(
-        self, tables: Optional[Mapping[str, Any]] = None, *, allow_outside: bool = False, **more: Any
+        self,
+        tables: Optional[Mapping[str, Any]] = None,
+        *,
+        allow_outside: bool = False,
+        time: Optional[Time] = None,
+        **more: Any,
     ) -> None:
         given = {**table(tables, "Scene"), **more}
         slm = given.get("slm")
         if isinstance(slm, (Slm, str, os.PathLike)):
             given["slm"] = None
-        self._core = _core.Job.make(_plain(given), allow_outside)
+        self._core = _core.Job.make(_plain(given), allow_outside, time)
         if isinstance(slm, (Slm, str, os.PathLike)):
             self._core.slm = panel(slm)._core
         self.facts = {}
@@ -126,8 +133,13 @@ class Scene(Noun):
         """Warnings about features of the files that are not shown, and about old names of keys."""
         return list(self._core.warnings)
 
+    @property
+    def time(self) -> float:
+        """The time at which the scene was read [s]."""
+        return float(self._core.time)
+
     def parameters(self, stage: str) -> Dict[str, Any]:
-        """The parameters of a stage: "trace", "render", "synthesize", "encode", "show", "propagate" or "camera"."""
+        """The parameters of a stage: "trace", "render", "synthesize", "encode", "show", "propagate", "camera" or "animate"."""
         return {one["name"]: one["value"] for one in self._core.get(stage)}
 
     def replace(
@@ -152,12 +164,13 @@ class Scene(Noun):
         )
 
 
-def load_scene(path: Path, *, allow_outside: bool = False) -> Scene:
+def load_scene(path: Path, *, allow_outside: bool = False, time: Optional[Time] = None) -> Scene:
     """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it.
 
-    ``allow_outside``: models may name files outside their own folder.
+    ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
+    animations of models are read; None: that of the file, or 0.
     """
-    return Scene._of(_core.Job.load(os.fspath(path), allow_outside))
+    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time))
 
 
 @takes("render", without=("focal_stack", "eye_separation"), of_scene=True)

@@ -1,4 +1,4 @@
-"""Lengths and angles: numbers in SI units, or texts with a unit."""
+"""Lengths, angles and times: numbers in SI units, or texts with a unit."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ Length = Union[float, str]
 Lengths = Union[float, str, Sequence[Union[float, str]]]
 #: An angle in radians, or a text with its unit: 0.1, "15 deg".
 Angle = Union[float, str]
+#: A time in seconds, or a text with its unit: 0.5, "40 ms".
+Time = Union[float, str]
 
 
 def format_length(metres: float) -> str:

@@ -8,7 +8,7 @@ TEXTS = (".json", ".txt")
 TIMES = re.compile(r'("(?:[^"\n]* )?(?:\w*seconds\w*|\w*_per_second|ratio)": ?)[-+.\deE]+')
 # Objects of `estimate --json` that hold times only, and the bands that a stopped job has finished.
 GROUPS = re.compile(r'("(?:stages|real_time)": )\{[^{}]*\}|("finished":)\[.*\]')
-VERSIONS = re.compile(r'("(?:holotrace|version)": ?)"[^"]*"|^(holotrace |version +)\d+\.\d+\.\d+', re.M)
+VERSIONS = re.compile(r'("(?:holotrace|version|job)": ?)"[^"]*"|^(holotrace |version +)\d+\.\d+\.\d+', re.M)
 # Times in messages: "   0.18 s", "1.2e-05 s", "3 ms"; a column is as wide as its number.
 PRINTED_TIMES = re.compile(r" +\d[\d.]*(?:e[-+]\d+)? (?:s|ms|us|µs|min)(?![\w/])")
 PRINTED_SECONDS = re.compile(r"^(seconds +)[\d.]+", re.M)

@@ -8,6 +8,13 @@ def examples():
         yield job(f"example-{path.stem.replace('_', '-')}", f"run {IN}/small/{path.name} -o out")
 
 
+def films():
+    """A scene at several times, also gone on with and longer."""
+    film = f"animate {IN}/small/chess_film.toml -o film"
+    yield job("animate", f"{film} --times '200 ms, 1 s'", f"{film} --times '200 ms, 1 s, 5 s, 6 s' --film-format gif")
+    yield job("animate-series", f"animate {IN}/small/chess_film.toml -o film --film-start '500 ms' --seconds 0.2 --fps 10 --film-format png")
+
+
 def sources():
     """Scenes to sources."""
     yield job("trace", f"trace {ROOM} -o waves.ply --report report.json")
@@ -137,4 +144,4 @@ def propagations():
               f"propagate {IN}/seeds/field.h5 --distance '1 mm' -o seed.npy")
 
 
-JOBS = [*examples(), *sources(), *renders(), *fields(), *bands(), *propagations()]
+JOBS = [*examples(), *films(), *sources(), *renders(), *fields(), *bands(), *propagations()]

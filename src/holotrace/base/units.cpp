@@ -19,6 +19,8 @@ struct Unit {
 constexpr std::array<Unit, 7> length_units{
     {{"nm", 1e9, -9}, {"um", 1e6, -6}, {"µm", 1e6, -6}, {"μm", 1e6, -6}, {"mm", 1e3, -3}, {"cm", 1e2, -2}, {"m", 1}}};
 constexpr std::array<Unit, 4> angle_units{{{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
+constexpr std::array<Unit, 6> time_units{
+    {{"s", 1}, {"ms", 1e3, -3}, {"us", 1e6, -6}, {"µs", 1e6, -6}, {"μs", 1e6, -6}, {"min", 1.0 / 60}}};
 constexpr std::array<Unit, 9> size_units{{{"B", 1},
                                           {"kB", 1e-3, 3},
                                           {"MB", 1e-6, 6},
@@ -99,7 +101,7 @@ std::vector<double> parse(std::string_view text, const std::array<Unit, N>& unit
     if (!unit) {
       std::string known;
       for (const Unit& candidate : units)
-        if (candidate.name != "μm" && candidate.name != "°")
+        if (candidate.name != "μm" && candidate.name != "μs" && candidate.name != "°")
           known += (known.empty() ? "" : ", ") + std::string(candidate.name);
       fail("expected {} in one of the units {}, got \"{}\"", kind, known, text);
     }
@@ -146,6 +148,10 @@ double parse_angle(std::string_view text) {
   return only(parse(text, angle_units, "an angle", "15 deg"), text, "angle");
 }
 
+double parse_time(std::string_view text) { return only(parse_times(text), text, "time"); }
+
+std::vector<double> parse_times(std::string_view text) { return parse(text, time_units, "a time", "0.5 s"); }
+
 std::vector<double> parse_lengths(std::string_view text, std::string_view name) {
   const bool is_place = name.empty() || name == "eye" || name == "position";
   return lengths_of(text, is_place ? "0 0 -300 mm" : length_example(name));
@@ -167,6 +173,12 @@ std::string format_length(double metres) {
 }
 
 std::string format_angle(double radians) { return fmt::format("{:.4g}°", radians * 180 / pi); }
+
+std::string format_time(double seconds) {
+  const double size = std::abs(seconds);
+  if (size == 0 || size >= 1) return fmt::format("{:.6g} s", seconds);
+  return size < 1e-3 ? fmt::format("{:.6g} µs", seconds * 1e6) : fmt::format("{:.6g} ms", seconds * 1e3);
+}
 
 std::string format_bytes(double bytes) {
   static constexpr std::array<const char*, 5> names{"B", "KiB", "MiB", "GiB", "TiB"};

@@ -40,6 +40,13 @@ double parse_length(std::string_view text, std::string_view name = {});
 /// @throws Error for a missing or unknown unit, or a number that is not finite.
 double parse_angle(std::string_view text);
 
+/// Seconds from a number with its unit: "0.5 s", "40 ms", "2 min". Units: s, ms, us, µs, min.
+/// @throws Error for a missing or unknown unit, and a number that is not finite.
+double parse_time(std::string_view text);
+
+/// Seconds from several numbers that share one unit at the end, "0 0.5 1 s", or have one each.
+std::vector<double> parse_times(std::string_view text);
+
 /// Metres from several numbers that share one unit at the end, "0 0 -300 mm", or have one each,
 /// "1 mm, 2 um, 0.3 m".
 /// @throws Error as parse_length does.
@@ -54,6 +61,9 @@ std::string format_length(double metres);
 
 /// Text of an angle: "2.267°".
 std::string format_angle(double radians);
+
+/// Text of a time: "0.5 s", "40 ms".
+std::string format_time(double seconds);
 
 /// Text of a number of bytes: "34.4 GiB".
 std::string format_bytes(double bytes);

@@ -77,8 +77,18 @@ inline Frame frame_from_normal(Vec3 n) {
   return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n, {}};
 }
 
-/// The rotation of a text such as "y 30 deg", about an axis through the origin; nothing unless it begins with an axis.
+/// A turn about an axis through the origin.
+struct AxisTurn {
+  char axis = 'x';   ///< x, y or z
+  double angle = 0;  ///< right-handed [rad]
+};
+
+inline Frame rotation_of(const AxisTurn& turn) {
+  return turn.axis == 'x' ? rotation_x(turn.angle) : turn.axis == 'y' ? rotation_y(turn.angle) : rotation_z(turn.angle);
+}
+
+/// The turn of a text such as "y 30 deg"; nothing unless it begins with an axis.
 /// @throws Error  as parse_angle does
-std::optional<Frame> parse_rotation(std::string_view text);
+std::optional<AxisTurn> parse_turn(std::string_view text);
 
 }  // namespace holotrace

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "holotrace/data/params/animate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/params/propagate.h"
@@ -16,7 +18,7 @@
 
 namespace holotrace {
 
-/// The content of a scene file: the scene, the light, the panel, and the parameters of each stage.
+/// The content of a scene file at one time: the scene, the light, the panel, and the parameters of each stage.
 struct Job {
   Scene scene;
   std::vector<double> wavelengths;  ///< wavelengths [m], at least one; single-coloured commands use the first
@@ -28,6 +30,9 @@ struct Job {
   ShowParams show;
   PropagateParams propagate;
   CameraParams camera;
+  AnimateParams animate;
+  double time = 0;                    ///< time [s] at which the values of the scene were read
+  std::optional<double> last_key{};   ///< latest key over time in the scene [s]; nothing if nothing in it changes
   bool are_distances_given = true;    ///< camera.distances; else choose_missing takes them from the scene's depths
   std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
   std::vector<Chosen> chosen;         ///< what the job does not give, and was chosen for it (run/choose.h)

@@ -190,6 +190,21 @@ void members(Archive& archive, Mesh& part) {
   archive(name, positions, normals, texture_coordinates, colours, triangles, material);
 }
 template <class Archive>
+void members(Archive& archive, PointLight& part) {
+  auto& [position, intensity, is_laser] = part;
+  archive(position, intensity, is_laser);
+}
+template <class Archive>
+void members(Archive& archive, DirectionalLight& part) {
+  auto& [direction, irradiance, position, radius, is_laser] = part;
+  archive(direction, irradiance, position, radius, is_laser);
+}
+template <class Archive>
+void members(Archive& archive, RectangleLight& part) {
+  auto& [corner, edge_u, edge_v, radiance, is_visible] = part;
+  archive(corner, edge_u, edge_v, radiance, is_visible);
+}
+template <class Archive>
 void members(Archive& archive, Environment& part) {
   auto& [map, scale, turn] = part;
   archive(map, scale, turn);
@@ -223,10 +238,10 @@ void members(Archive& archive, Chosen& part) {
 }
 template <class Archive>
 void members(Archive& archive, Job& noun) {
-  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, are_distances_given,
-         warnings, chosen] = noun;
-  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, are_distances_given,
-          warnings, chosen);
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, last_key,
+         are_distances_given, warnings, chosen] = noun;
+  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, last_key,
+          are_distances_given, warnings, chosen);
 }
 
 // Of results.
@@ -238,8 +253,8 @@ void members(Archive& archive, StageReport& part) {
 }
 template <class Archive>
 void members(Archive& archive, Report& part) {
-  auto& [seed, stages, chosen] = part;
-  archive(seed, stages, chosen);
+  auto& [seed, stages, chosen, time] = part;
+  archive(seed, stages, chosen, time);
 }
 
 }  // namespace holotrace

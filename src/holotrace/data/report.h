@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@ struct Report {
   int64_t seed = 0;
   std::vector<StageReport> stages;
   std::vector<Chosen> chosen{};  ///< what the job did not give
+  std::optional<double> time{};  ///< time of the scene [s], if it changes over time
 };
 
 /// Where the pixels of a view of a run lie in the render of what it should show. Both are centred on the panel's axis

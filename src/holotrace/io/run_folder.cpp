@@ -1,5 +1,6 @@
 #include "holotrace/io/run_folder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -32,6 +33,7 @@ nlohmann::ordered_json report_json(const Report& report) {
   nlohmann::ordered_json json;
   json["versions"] = versions();
   json["seed"] = report.seed;
+  if (report.time) json["time_s"] = *report.time;
   for (const Chosen& one : report.chosen)
     json["chosen"].push_back({{"parameter", one.parameter}, {"value", one.value}, {"why", one.why}});
   double total = 0;
@@ -47,8 +49,62 @@ nlohmann::ordered_json report_json(const Report& report) {
   return json;
 }
 
-void save_report(const std::string& path, const Report& report, const FileRecord& files) {
+namespace {
+
+// The names of a hologram's entry in the mark of a film, with its values.
+template <class Visitor, class Hologram>
+void visit_film_hologram(Visitor&& visit, Hologram& h) {
+  visit("file", h.file);
+  visit("frame", h.frame);
+  visit("light", h.light);
+  visit("wavelengths_m", h.wavelengths);
+  visit("levels", h.levels);
+  visit("illumination_w_per_m2", h.illumination);
+}
+
+Json film_json(const FilmMark& film) {
+  Json json{{"job", film.job}, {"white_w_per_m2_sr", film.white}, {"holograms", Json::array()}};
+  for (const FilmHologram& hologram : film.holograms) {
+    Json one;
+    visit_film_hologram([&](const char* name, const auto& value) { one[name] = value; }, hologram);
+    json["holograms"].push_back(std::move(one));
+  }
+  return json;
+}
+
+std::string report_in(const std::string& folder) { return (std::filesystem::path(folder) / "report.json").string(); }
+
+}  // namespace
+
+std::optional<FilmMark> film_mark(const std::string& folder) {
+  const nlohmann::json report = read_report(report_in(folder));
+  if (!report.is_object() || !report.contains("film") || is_incomplete_report(report_in(folder))) return std::nullopt;
+  try {
+    const nlohmann::json& film = report["film"];
+    FilmMark mark{film.at("job").get<std::string>(), film.at("white_w_per_m2_sr").get<double>(), {}};
+    for (const nlohmann::json& one : film.at("holograms")) {
+      mark.holograms.emplace_back();
+      visit_film_hologram([&](const char* name, auto& value) { one.at(name).get_to(value); }, mark.holograms.back());
+    }
+    return mark;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+}
+
+bool holds_film_run(const std::string& folder, const std::string& job) {
+  const auto mark = film_mark(folder);
+  const FileRecord files = report_record(report_in(folder));
+  return mark && mark->job == job && !files.empty() && std::all_of(files.begin(), files.end(), [&](const auto& file) {
+           std::error_code error;
+           return std::filesystem::file_size(std::filesystem::path(folder) / file.first, error) == file.second &&
+                  !error;
+         });
+}
+
+void save_report(const std::string& path, const Report& report, const FileRecord& files, const FilmMark* film) {
   nlohmann::ordered_json json = report_json(report);
+  if (film) json["film"] = film_json(*film);
   if (!files.empty()) {
     json["complete"] = true;
     json["files"] = record_json(files);

@@ -14,10 +14,36 @@ namespace holotrace {
 /// not finite becomes null.
 nlohmann::ordered_json report_json(const Report& report);
 
+/// A hologram of a run, as a film shows it.
+struct FilmHologram {
+  std::string file;                 ///< its name in the folder of its run
+  int64_t frame = 0;                ///< number of its frame, from 0
+  std::string light;                ///< name of the path group or light that it shows, "" for all light
+  std::vector<double> wavelengths;  ///< [m]
+  int levels = 0;
+  double illumination = 0;  ///< Hologram::illumination [W/m²]
+};
+
+/// What the report of a run at one time of a film says about the film.
+struct FilmMark {
+  std::string job;                        ///< fingerprint of the job, without its time
+  double white = 0;                       ///< white of its renders [W/m²/sr]
+  std::vector<FilmHologram> holograms{};  ///< in the order in which they are shown
+};
+
 /// Writes the report to `path`, completely or not at all.
 /// @param files  the files that the reported run wrote beside it, if it is the report of a folder
+/// @param film   of a run that is a time of a film
 /// @throws Error  if the file cannot be written
-void save_report(const std::string& path, const Report& report, const FileRecord& files = {});
+void save_report(const std::string& path, const Report& report, const FileRecord& files = {},
+                 const FilmMark* film = nullptr);
+
+/// What the report in the folder of a time of a film says; nothing if there is none, or another one.
+std::optional<FilmMark> film_mark(const std::string& folder);
+
+/// Whether a folder holds the finished run of that job, with all files that its report lists.
+/// @param job  FilmMark::job
+bool holds_film_run(const std::string& folder, const std::string& job);
 
 /// Writes a report that says that its folder is incomplete: some of `files` may be missing.
 void save_incomplete_report(const std::string& path, const FileRecord& files);
@@ -32,6 +58,9 @@ bool is_incomplete_report(const std::string& path);
 /// numbered (numbered_path).
 inline constexpr const char *run_render = "render.png", *run_radiance = "render.exr", *run_hologram = "hologram.png",
                             *run_view = "view.png";
+
+/// Pictures of the films of a time of a film: of the first render, and of the first view.
+inline constexpr const char *film_render = "film_render.exr", *film_view = "film_view.exr";
 
 /// Places of the scene, as sources, in the folder of a run without waves.
 inline constexpr const char* run_points = "points.ply";

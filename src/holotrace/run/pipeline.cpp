@@ -5,9 +5,11 @@
 #include <optional>
 #include <utility>
 
+#include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/members.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/report.h"
 #include "holotrace/run/choose.h"
@@ -73,10 +75,34 @@ void report_place(const ViewPlace& place, const Observer& observer) {
   observer.curve(place_wavelengths, place.wavelengths);
 }
 
+// The wavelength of each set of light, from the holograms of the first frame.
+std::vector<double> wavelength_of_each_set(const std::vector<Hologram>& holograms, int frames) {
+  std::vector<double> wavelengths;
+  for (size_t set = 0; set < holograms.size() / size_t(frames); ++set) wavelengths.push_back(holograms[set].wavelength);
+  return wavelengths;
+}
+
 std::vector<double> wavelength_of_each_set(const SceneLight& light) {
   std::vector<double> wavelengths;
   for (size_t set = 0; set < light.sets(); ++set) wavelengths.push_back(light.wavelength(set));
   return wavelengths;
+}
+
+// Whether the holograms of waves of a job are those of an earlier run: all that they depend on is the same.
+bool has_holograms_of(const Job& job, const EarlierRun* earlier) {
+  if (!earlier || aims_at_scene(job) || aims_at_scene(earlier->job)) return false;
+  const auto cause = [](const Job& one) {
+    return fingerprint_of(one.scene, one.wavelengths, one.slm, one.trace, one.synthesize, encoding_of(one));
+  };
+  return cause(job) == cause(earlier->job);
+}
+
+// The light of an earlier run; its fields are not needed again.
+SceneLight light_of(const EarlierRun& earlier, const Observer& o) {
+  o.fact("holograms", earlier.results.holograms.size());
+  SceneLight light;
+  light.sources = earlier.results.sources;
+  return light;
 }
 
 SceneLight trace_waves(const Job& job, const Observer& o) {
@@ -228,11 +254,13 @@ std::vector<Sources> points_to_focus(const Job& job) {
 
 }  // namespace
 
-RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links) {
+RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links,
+               const EarlierRun* earlier) {
   const Job job = choose_missing(given);
   RunResults b;
   b.report.seed = job.trace.seed;
   b.report.chosen = job.chosen;
+  if (job.last_key) b.report.time = job.time;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   check_job(job);
 
@@ -255,8 +283,15 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
     made = make_references(job, b.report, watch);
   }
   b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
-  if (!targets) light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
-  const std::vector<double> wavelengths = targets ? job.wavelengths : wavelength_of_each_set(light);
+  const bool is_reused = has_holograms_of(job, earlier);
+  if (is_reused)
+    light = stage("reuse", [&](const Observer& o) { return light_of(*earlier, o); });
+  else if (!targets)
+    light = stage("trace", [&](const Observer& o) { return trace_waves(job, o); });
+  const std::vector<double> wavelengths = targets ? job.wavelengths
+                                          : is_reused
+                                              ? wavelength_of_each_set(earlier->results.holograms, job.trace.frames)
+                                              : wavelength_of_each_set(light);
   require(!wavelengths.empty(), "expected at least one source, got none; is the scene lit and in view?");
   check_memory(job, wavelengths.size());
 
@@ -269,7 +304,11 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
     frames = encode_job(encoding, job.trace.frames, job.slm, job.encode, b.report, watch);
   }
   ShownHolograms showing(job, wavelengths, b, watch);
-  if (aims)
+  if (is_reused) {
+    frames = earlier->results.holograms;
+    b.fields = earlier->results.fields;
+  }
+  if (aims || is_reused)
     for (Hologram& frame : frames) showing.add(std::move(frame));
   else
     show_fields(job, light, b, showing);
@@ -308,7 +347,7 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   report_sweep(b.viewpoints, b.sweep, showing.repeat);
   b.renders = std::move(made.renders);
   b.sources = std::move(light.sources);
-  if (b.sources.empty()) b.points = points_to_focus(job);
+  if (b.sources.empty() && !is_reused) b.points = points_to_focus(job);
   return b;
 }
 

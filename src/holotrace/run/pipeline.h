@@ -48,6 +48,12 @@ struct RunResults {
   Report report;
 };
 
+/// A run of the scene at another time.
+struct EarlierRun {
+  Job job;             ///< as `run` took it, with everything chosen
+  RunResults results;  ///< its sources and fields may be left out
+};
+
 /// The checkpoint of the i-th entry of an EncodeJob: one for each wavelength, or one for all of them (`joint`).
 using CheckpointOf = std::function<Checkpoint(size_t i)>;
 
@@ -68,10 +74,12 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 ///
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts as merge_fact adds them up (base/observer.h), the curves of the first, and each warning once.
+/// @param earlier  a run whose holograms of waves are taken again if nothing that they depend on is different, as where only the
+///               eye moves: the results, and so all bytes, are the same. The report then has the stage "reuse".
 /// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
 RunResults run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
-               ProcessLinks* links = nullptr);
+               ProcessLinks* links = nullptr, const EarlierRun* earlier = nullptr);
 
 /// Checks a job before the first stage of `run`.
 /// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without

@@ -6,6 +6,7 @@
 
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/animation.h"
+#include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/gif.h"
 #include "support/temporary.h"
@@ -41,6 +42,42 @@ TEST(Animation, PlaysForwardAndBackEndlessly) {
       const int code = is_bright ? 255 : int(std::lround(255 * srgb_encode(0.05)));
       for (size_t c = 0; c < 3; ++c) ASSERT_EQ(gif.frames[k][3 * i + c], code) << k << " " << i;
     }
+}
+
+TEST(Film, PlaysForward) {
+  const std::string path = temporary("bars.gif");
+  const std::vector<Image> images = bars(4, 64, 24);
+  size_t made = 0;
+  const auto picture = [&](size_t i) {
+    ++made;
+    return images[i];
+  };
+  save_film(path, {4, picture}, 8);
+  EXPECT_EQ(made, 5u);  // the first one also tells the size; none is made twice more
+  const Gif gif = load_gif(path);
+  ASSERT_EQ(gif.frames.size(), 4u);
+  for (size_t k = 0; k < 4; ++k) EXPECT_EQ(gif.frames[k][3 * (16 * k + 1)], 255) << k;  // 2, clipped to white
+  EXPECT_EQ(error_of([&] {
+              save_film(path, {0, picture}, 8);
+            }),
+            "expected 1 picture or more for the film " + path + ", got none");
+  const auto uneven = [&](size_t i) { return i == 0 ? Image(8, 8, 1) : Image(8, 9, 1); };
+  EXPECT_EQ(error_of([&] {
+              save_film(path, {2, uneven}, 8);
+            }),
+            "expected pictures of 8 × 8 pixels to animate as " + path + ", got one of 9 × 8");
+}
+
+// 24 pictures per second last 4 or 5 hundredths each, and a second together.
+TEST(Film, RoundedDurationsAddUp) {
+  const Frames frames{1, 1, 24, {}, {}, 1.0 / 24};
+  int sum = 0;
+  for (size_t i = 0; i < 24; ++i) {
+    EXPECT_NEAR(frames.duration(i, 100, 2), 100.0 / 24, 1);
+    sum += frames.duration(i, 100, 2);
+  }
+  EXPECT_EQ(sum, 100);
+  EXPECT_EQ((Frames{1, 1, 2, {}, {}, 1e-4}.duration(0, 1000, 1)), 1);
 }
 
 // Browsers slow faster ones down.

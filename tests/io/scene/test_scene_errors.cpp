@@ -75,9 +75,10 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
             "3:1: unknown key \"reflectence\"; did you mean \"reflectance\"?");
   EXPECT_EQ(error_with("[[shape.a]]\ntype = \"sphere\"\nsize = \"1 mm\"\nsegmnts = 8\n" + cube),
             "5:1: unknown key \"segmnts\"; did you mean \"segments\"?");
-  EXPECT_EQ(error_with("[scene]\n"),
-            "2:2: unknown key \"scene\"; known: background, camera, encode, environment, light, materials, object, "
-            "propagate, render, shape, show, slm, synthesize, trace, wavelength");
+  EXPECT_EQ(
+      error_with("[scene]\n"),
+      "2:2: unknown key \"scene\"; known: animate, background, camera, encode, environment, light, materials, object, "
+      "propagate, render, shape, show, slm, synthesize, time, trace, wavelength");
 }
 
 TEST(SceneFileErrors, UnknownNamesAreRefused) {

@@ -54,6 +54,7 @@ TEST_F(SceneFormat, EveryParameterOfEveryStageIsThere) {
   EXPECT_EQ(undocumented<ShowParams>(text_, "show"), none);
   EXPECT_EQ(undocumented<PropagateParams>(text_, "propagate"), none);
   EXPECT_EQ(undocumented<CameraParams>(text_, "camera"), none);
+  EXPECT_EQ(undocumented<AnimateParams>(text_, "animate"), none);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_materials.h"
+#include "io/scene/scene_text.h"
 #include "support/temporary.h"
 
 namespace holotrace {
@@ -14,12 +15,10 @@ using test::make_file;
 
 constexpr double green = 532e-9;
 
-const std::string cube =
-    "[[object]]\ntype = \"wireframe_cube\"\nsize = \"20 mm\"\npoints_per_edge = 3\nposition = \"0 0 -300 mm\"\n";
-
 // The material of a scene file that has these lines.
 Material material(const std::string& lines) {
-  const Job job = load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + cube));
+  const Job job =
+      load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + test::cube));
   return job.scene.materials.at(0);
 }
 
@@ -30,7 +29,8 @@ Surface surface(const std::string& lines) {
 
 // The error without the folder: "3:9: expected …".
 std::string error_of_material(const std::string& lines) {
-  const std::string path = make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + cube);
+  const std::string path =
+      make_file("scene.toml", "wavelength = \"532 nm\"\n[materials.m]\n" + lines + "\n" + test::cube);
   const std::string sentence = error_of([&] { load_job(path); });
   return sentence.starts_with(path + ":") ? sentence.substr(path.size() + 1) : sentence;
 }

@@ -12,6 +12,7 @@ std::string value_text(double value, Quantity quantity) {
   if (is_length(quantity) && std::isfinite(value)) return format_length(value);
   if (is_length(quantity)) return fmt::format("{} m", value);
   if (quantity == Quantity::angle) return fmt::format("{:.6g} deg", value * 180 / pi);
+  if (quantity == Quantity::time) return std::isfinite(value) ? format_time(value) : fmt::format("{} s", value);
   if (quantity == Quantity::count) return fmt::format("{:.0f}", value);
   return fmt::format("{}", value);
 }
@@ -25,6 +26,8 @@ const char* noun(Quantity quantity) {
       return "a length";
     case Quantity::angle:
       return "an angle";
+    case Quantity::time:
+      return "a time";
     case Quantity::number:
       break;
   }

@@ -32,7 +32,7 @@ struct Range {
 inline constexpr double most_number = 1e18;
 
 /// What a parameter counts or measures; it decides how errors and help texts write the values.
-enum class Quantity { count, number, length, wavelength, angle };
+enum class Quantity { count, number, length, wavelength, angle, time };
 
 /// Wavelengths are lengths for which names of lights may stand (data/named_light.h).
 constexpr bool is_length(Quantity quantity) { return quantity == Quantity::length || quantity == Quantity::wavelength; }
@@ -123,6 +123,14 @@ inline Parameter<double> wavelength(const char* name, double& value, const Range
 /// In radians or, as a text, with a unit.
 inline Parameter<double> angle(const char* name, double& value, const Range& range, const std::string& help) {
   return {"angle", name, value, help, range, Quantity::angle};
+}
+/// In seconds or, as a text, with a unit.
+inline Parameter<double> time(const char* name, double& value, const Range& range, const std::string& help) {
+  return {"time", name, value, help, range, Quantity::time};
+}
+inline Parameter<std::vector<double>> times(const char* name, std::vector<double>& value, const Range& range,
+                                            const std::string& help) {
+  return {"times", name, value, help, range, Quantity::time};
 }
 inline Parameter<std::vector<double>> lengths(const char* name, std::vector<double>& value, const Range& range,
                                               const std::string& help) {

@@ -26,39 +26,30 @@ void set_count(const Parameter<Integer>& parameter, const std::string& text) {
 
 }  // namespace
 
-double length_within(const std::string& text, const Range& range, const std::string& name, Quantity quantity) {
-  const double metres = quantity == Quantity::wavelength ? parse_wavelength(text, name) : parse_length(text, name);
-  check_range(metres, range, quantity);
-  return metres;
+double value_within(const std::string& text, const Range& range, const std::string& name, Quantity quantity) {
+  const double value = quantity == Quantity::wavelength ? parse_wavelength(text, name)
+                       : quantity == Quantity::length   ? parse_length(text, name)
+                       : quantity == Quantity::angle    ? parse_angle(text)
+                       : quantity == Quantity::time     ? parse_time(text)
+                                                        : parse_number<double>(text, "a number");
+  check_range(value, range, quantity);
+  return value;
 }
 
-std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name,
-                                   Quantity quantity) {
-  std::vector<double> lengths =
-      quantity == Quantity::wavelength ? parse_wavelengths(text, name) : parse_lengths(text, name);
-  for (const double metres : lengths) check_range(metres, range, quantity);
-  return lengths;
-}
-
-double angle_within(const std::string& text, const Range& range) {
-  const double radians = parse_angle(text);
-  check_range(radians, range, Quantity::angle);
-  return radians;
+std::vector<double> values_within(const std::string& text, const Range& range, const std::string& name,
+                                  Quantity quantity) {
+  std::vector<double> values = quantity == Quantity::wavelength ? parse_wavelengths(text, name)
+                               : quantity == Quantity::time     ? parse_times(text)
+                                                                : parse_lengths(text, name);
+  for (const double value : values) check_range(value, range, quantity);
+  return values;
 }
 
 void set_from_text(const Parameter<int>& parameter, const std::string& text) { set_count(parameter, text); }
 void set_from_text(const Parameter<int64_t>& parameter, const std::string& text) { set_count(parameter, text); }
 
 void set_from_text(const Parameter<double>& parameter, const std::string& text) {
-  if (is_length(parameter.quantity)) {
-    parameter.value = length_within(text, parameter.range, parameter.name, parameter.quantity);
-  } else if (parameter.quantity == Quantity::angle) {
-    parameter.value = angle_within(text, parameter.range);
-  } else {
-    const double number = parse_number<double>(text, "a number");
-    check_range(number, parameter.range, Quantity::number);
-    parameter.value = number;
-  }
+  parameter.value = value_within(text, parameter.range, parameter.name, parameter.quantity);
 }
 
 void set_from_text(const Parameter<bool>& parameter, const std::string& text) {
@@ -67,7 +58,7 @@ void set_from_text(const Parameter<bool>& parameter, const std::string& text) {
 }
 
 void set_from_text(const Parameter<std::vector<double>>& parameter, const std::string& text) {
-  parameter.value = lengths_within(text, parameter.range, parameter.name);
+  parameter.value = values_within(text, parameter.range, parameter.name, parameter.quantity);
 }
 
 void set_from_text(const Parameter<Vec3>& parameter, const std::string& text) {

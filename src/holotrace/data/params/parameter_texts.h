@@ -23,13 +23,13 @@ auto read_flag(const std::string& flag, const Read& read) {
   }
 }
 
-/// A length [m], lengths [m] or an angle [rad] from a text, for the parameter of that name. Names of lights are taken if
-/// the quantity is a wavelength. @throws Error if it is invalid or outside the range
-double length_within(const std::string& text, const Range& range, const std::string& name,
-                     Quantity quantity = Quantity::length);
-std::vector<double> lengths_within(const std::string& text, const Range& range, const std::string& name,
-                                   Quantity quantity = Quantity::length);
-double angle_within(const std::string& text, const Range& range);
+/// A number from a text, for the parameter of that name: a length [m], an angle [rad], a time [s], or a plain number. Names of
+/// lights are taken if the quantity is a wavelength. @throws Error if it is invalid or outside the range
+double value_within(const std::string& text, const Range& range, const std::string& name, Quantity quantity);
+
+/// Several lengths or times.
+std::vector<double> values_within(const std::string& text, const Range& range, const std::string& name,
+                                  Quantity quantity);
 
 /// Sets a parameter from a text. @throws Error for a text that is not a valid value
 void set_from_text(const Parameter<int>& parameter, const std::string& text);

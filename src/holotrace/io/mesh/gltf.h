@@ -63,8 +63,7 @@ std::vector<uint32_t> gltf_indices(const GltfFile& gltf, size_t accessor);
 /// @throws Error naming the file if the data are damaged
 std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn);
 
-/// Warns of features that are not shown: bones, morph targets, animations, lights, cameras,
-/// and other extensions.
+/// Warns of features that are not shown: lights, cameras, and other extensions.
 void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn);
 
 }  // namespace holotrace

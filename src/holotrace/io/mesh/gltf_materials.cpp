@@ -206,18 +206,13 @@ std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& w
 
 void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
   const Json& document = gltf.document;
-  if (!member(document, "animations").empty())
-    warn("animations", "animations are ignored; the model is shown in its rest pose");
   if (!member(document, "cameras").empty()) warn("cameras", "cameras are ignored");
-  if (!member(document, "skins").empty()) warn("skins", "the model has a skeleton; it is shown in its rest pose");
-  for (const Json& mesh : member(document, "meshes"))
-    for (const Json& primitive : member(mesh, "primitives"))
-      if (primitive.contains("targets")) warn("morph", "the model has morph targets; they are ignored");
   for (const Json& item : member(document, "extensionsUsed")) {
     const std::string name = item.get<std::string>();
     if (name == "KHR_lights_punctual")
       warn("lights", "the model's lights are ignored; place them in the scene");
-    else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp")
+    else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp" &&
+             name != "KHR_animation_pointer" && name != "KHR_node_visibility")
       warn(name, fmt::format("the extension {} is ignored", name));
   }
 } catch (const Json::exception& e) {

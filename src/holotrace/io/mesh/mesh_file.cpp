@@ -39,7 +39,7 @@ bool is_mesh_file(const std::string& path) {
   return is_mesh_extension(extension) || (extension != ".toml" && !model_extension_of(path).empty());
 }
 
-LoadedModel load_meshes(const std::string& path, Outside outside) {
+LoadedModel load_meshes(const std::string& path, Outside outside, const PoseTime& at) {
   check_file_exists(path, "a mesh");
   // Files are named wrongly: their first bytes decide, if they tell.
   const std::string known = model_extension_of(path), extension = known.empty() ? extension_of(path) : known;
@@ -48,9 +48,13 @@ LoadedModel load_meshes(const std::string& path, Outside outside) {
   require(is_mesh_extension(extension), "{}: expected a mesh file .obj, .ply, .gltf, .glb, {}, got {}{}", path,
           fmt::join(others, ", "), kind_of_file(path), kind.empty() ? "; convert it to one of these" : "");
   require(kind.empty(), "{}: expected a mesh, got {}", path, kind);
+  const bool is_gltf = extension == ".gltf" || extension == ".glb";
+  if (is_gltf) return load_gltf_mesh(path, outside, at);
+  require(at.animation.empty(), "{}: expected a glTF model for the animation \"{}\", got another format", path,
+          at.animation);
   if (extension == ".ply") return load_ply_mesh(path, outside);
   if (is_other(extension)) return load_assimp_mesh(path, extension, outside);
-  return extension == ".obj" ? load_obj_mesh(path, outside) : load_gltf_mesh(path, outside);
+  return load_obj_mesh(path, outside);
 }
 
 namespace {

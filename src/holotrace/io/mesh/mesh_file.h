@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,14 @@ struct LoadedModel {
   std::vector<Mesh> meshes;
   std::vector<std::string> warnings;  ///< features that the file asks for and that are not shown
   bool is_of_points = false;          ///< its surfaces are those around the points of a file without faces
+  std::optional<double> last_key{};   ///< the end of its animation [s]; nothing if it has none
+};
+
+/// The time at which the animation of a model is read.
+struct PoseTime {
+  double seconds = 0;
+  std::string animation{};  ///< its name; "": the first one of the file, if it has one
+  bool repeats = false;     ///< whether it begins again after its last key; else it stays there
 };
 
 /// Whether load_meshes supports files with that extension or with these first bytes: .obj, .ply, .gltf, .glb, and .stl,
@@ -25,7 +34,8 @@ bool is_mesh_file(const std::string& path);
 /// flat shading), texture coordinates with v up, vertex colours, and the materials with their textures, embedded
 /// or beside the file. All surfaces are two-sided: culling of back faces is an optimization of rasterisers.
 ///
-/// - glTF 2.0: see gltf_materials in io/mesh/gltf.h.
+/// - glTF 2.0: see gltf_materials in io/mesh/gltf.h. Its nodes, skins and morph targets are as its animation has them at the
+///   time (pose_gltf in io/mesh/gltf_animation.h).
 /// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
 /// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse
 ///   texture beside the file, as Assimp reads them.
@@ -33,8 +43,9 @@ bool is_mesh_file(const std::string& path);
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
 /// @param outside  whether the files that it names may lie outside its folder
-/// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, and
-///         naming the mesh for indices that are out of range and coordinates that are not finite
-LoadedModel load_meshes(const std::string& path, Outside outside = Outside::refused);
+/// @param at       time of the animation; files of other formats than glTF are at rest
+/// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, for an animation that it
+///         does not have, and naming the mesh for indices that are out of range and coordinates that are not finite
+LoadedModel load_meshes(const std::string& path, Outside outside = Outside::refused, const PoseTime& at = {});
 
 }  // namespace holotrace

@@ -91,7 +91,7 @@ class WeightedFrame {
 void triangulate(const std::vector<Vec3>& corners, std::vector<std::array<uint32_t, 3>>& triangles);
 
 LoadedModel load_obj_mesh(const std::string& path, Outside outside);
-LoadedModel load_gltf_mesh(const std::string& path, Outside outside);
+LoadedModel load_gltf_mesh(const std::string& path, Outside outside, const PoseTime& at);
 LoadedModel load_ply_mesh(const std::string& path, Outside outside);
 /// @param extension  of the format of its bytes, whatever its name is
 LoadedModel load_assimp_mesh(const std::string& path, const std::string& extension, Outside outside);

@@ -3,8 +3,10 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/quaternion.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/mesh/gltf.h"
+#include "holotrace/io/mesh/gltf_animation.h"
 #include "holotrace/io/mesh/mesh_formats.h"
 
 namespace holotrace {
@@ -41,17 +43,17 @@ Frame frame_of(const Json& node) {
     return frame_of_matrix(m.data());
   }
   const auto t = numbers<3>(node, "translation", {0, 0, 0}), s = numbers<3>(node, "scale", {1, 1, 1});
-  const auto [x, y, z, w] = numbers<4>(node, "rotation", {0, 0, 0, 1});
-  return {Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)} * s[0],
-          Vec3{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)} * s[1],
-          Vec3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)} * s[2],
-          {t[0], t[1], t[2]}};
+  const Frame r = rotation_by(numbers<4>(node, "rotation", {0, 0, 0, 1}));
+  return {r.x * s[0], r.y * s[1], r.z * s[2], {t[0], t[1], t[2]}};
 }
 
 class GltfReader {
  public:
-  GltfReader(const std::string& path, Outside outside)
-      : reader_(path, outside), gltf_(read_gltf(path, outside)), materials_(gltf_materials(gltf_, reader_.warner())) {}
+  GltfReader(const std::string& path, Outside outside, const PoseTime& at)
+      : reader_(path, outside),
+        gltf_(read_gltf(path, outside)),
+        last_key_(pose_gltf(gltf_, at, reader_.warner())),
+        materials_(gltf_materials(gltf_, reader_.warner())) {}
 
   LoadedModel read() try {
     warn_of_gltf_features(gltf_, reader_.warner());
@@ -63,11 +65,14 @@ class GltfReader {
       places_.at(number) = compose(places_.at(number), frame_of(node));
       for (const size_t child : gltf_counts(gltf_, list(node, "children"))) places_.at(child) = places_[number];
     });
+    hide_nodes();
     for_each_node(roots(), [&](size_t number) {
       const Json& node = nodes.at(number);
-      if (node.contains("mesh")) read_mesh(node, places_.at(number));
+      if (node.contains("mesh") && !is_hidden_.at(number)) read_mesh(node, places_.at(number));
     });
-    return reader_.finish(std::move(materials_));
+    LoadedModel model = reader_.finish(std::move(materials_));
+    model.last_key = last_key_;
+    return model;
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but it is damaged ({}); export it again", reader_.path(), reason(e));
   }
@@ -84,6 +89,20 @@ class GltfReader {
       const auto children = gltf_counts(gltf_, list(list(gltf_.document, "nodes").at(number), "children"));
       open.insert(open.end(), children.rbegin(), children.rend());
     }
+  }
+
+  // Finds the nodes that KHR_node_visibility hides, with all below them.
+  void hide_nodes() {
+    const Json& nodes = list(gltf_.document, "nodes");
+    is_hidden_.resize(nodes.size());
+    for_each_node(parentless(), [&](size_t number) {
+      const Json& node = nodes.at(number);
+      const Json& extensions = node.contains("extensions") ? node.at("extensions") : node;
+      if (extensions.contains("KHR_node_visibility") && !extensions.at("KHR_node_visibility").value("visible", true))
+        is_hidden_.at(number) = true;
+      if (!is_hidden_.at(number)) return;
+      for (const size_t child : gltf_counts(gltf_, list(node, "children"))) is_hidden_.at(child) = true;
+    });
   }
 
   // The nodes of the scene that is shown first; those without a parent if the file has no scenes.
@@ -112,11 +131,27 @@ class GltfReader {
     const Json& mesh = list(gltf_.document, "meshes").at(gltf_count(gltf_, node.at("mesh")));
     const std::vector<Frame> joints =
         node.contains("skin") ? joints_of(gltf_count(gltf_, node.at("skin"))) : std::vector<Frame>{};
+    const Json& weights = node.contains("weights") ? node.at("weights") : list(mesh, "weights");
     for (const Json& primitive : list(mesh, "primitives"))
-      read_primitive(primitive, mesh.value("name", ""), frame, joints);
+      read_primitive(primitive, mesh.value("name", ""), frame, joints, weights.get<std::vector<double>>());
   }
 
-  // How each joint of a skin moves vertices at rest: from where they were bound to it, to where it is.
+  // Adds the morph targets of a primitive to its mesh, Σ wₜ·Δₜ.
+  void morph(const Json& targets, const std::vector<double>& weights, Mesh& mesh) const {
+    const size_t count = mesh.positions.size();
+    for (size_t t = 0; t < std::min(weights.size(), targets.size()); ++t) {
+      if (weights[t] == 0) continue;
+      const auto add = [&](const char* key, std::vector<Vec3>& to) {
+        if (to.empty() || !targets.at(t).contains(key)) return;
+        const std::vector<Vec3> shifts = vectors(targets.at(t), key, count);
+        for (size_t i = 0; i < count; ++i) to[i] += shifts[i] * weights[t];
+      };
+      add("POSITION", mesh.positions);
+      add("NORMAL", mesh.normals);
+    }
+  }
+
+  // How each joint of a skin moves vertices: from where they were bound to it, to where it is.
   std::vector<Frame> joints_of(size_t number) const {
     const Json& skin = list(gltf_.document, "skins").at(number);
     const std::vector<size_t> nodes = gltf_counts(gltf_, list(skin, "joints"));
@@ -156,7 +191,7 @@ class GltfReader {
   }
 
   void read_primitive(const Json& primitive, const std::string& name, const Frame& frame,
-                      const std::vector<Frame>& joints) {
+                      const std::vector<Frame>& joints, const std::vector<double>& weights) {
     const Json& attributes = primitive.at("attributes");
     if (!attributes.contains("POSITION")) return;
     const auto count = gltf_count(gltf_, accessor(attributes, "POSITION").at("count"));
@@ -174,6 +209,7 @@ class GltfReader {
     if (has_indices) indices = gltf_indices(gltf_, gltf_count(gltf_, primitive.at("indices")));
     reader_.reserve(count, corners);
     if (attributes.contains("NORMAL")) mesh.normals = vectors(attributes, "NORMAL", count);
+    if (primitive.contains("targets")) morph(primitive.at("targets"), weights, mesh);
     read_coordinates(attributes, materials_[material].coordinates.set, count, mesh);
     if (attributes.contains("COLOR_0")) {
       warn_of_alpha(attributes, count, material, name);
@@ -252,12 +288,16 @@ class GltfReader {
 
   ModelReader reader_;
   GltfFile gltf_;
+  std::optional<double> last_key_;  // of the animation; its constructor poses the model
   std::vector<FileMaterial> materials_;
-  std::vector<Frame> places_;  // of the nodes
+  std::vector<Frame> places_;    // of the nodes
+  std::vector<bool> is_hidden_;  // nodes
 };
 
 }  // namespace
 
-LoadedModel load_gltf_mesh(const std::string& path, Outside outside) { return GltfReader(path, outside).read(); }
+LoadedModel load_gltf_mesh(const std::string& path, Outside outside, const PoseTime& at) {
+  return GltfReader(path, outside, at).read();
+}
 
 }  // namespace holotrace

@@ -80,33 +80,64 @@ Image shrunk_to(const Image& image, int columns) {
   return small;
 }
 
+namespace {
+
+void write_frames(const std::string& path, const Frames& frames) {
+  const std::string extension = extension_of(path);
+  extension == ".gif"    ? write_gif(path, frames)
+  : extension == ".webp" ? write_webp(path, frames)
+                         : write_film(path, frames);
+}
+
+void check_size(const std::string& path, const Image& image, const Image& first) {
+  require(image.nx == first.nx && image.ny == first.ny && image.nx > 0 && image.ny > 0,
+          "expected pictures of {} × {} pixels to animate as {}, got one of {} × {}", first.nx, first.ny, path,
+          image.nx, image.ny);
+}
+
+}  // namespace
+
 void save_animation(const std::string& path, const std::vector<Image>& images, double white, double seconds) {
   check_animation(path);
   require(images.size() >= 2, "expected 2 pictures or more to animate as {}, got {}", path, images.size());
   require(std::isfinite(white) && white > 0, "expected a white level above 0 for {}, got {}", path, white);
   require(std::isfinite(seconds) && seconds > 0, "expected an animation of more than 0 s for {}, got {} s", path,
           seconds);
-  for (const Image& image : images)
-    require(image.nx == images[0].nx && image.ny == images[0].ny && image.nx > 0 && image.ny > 0,
-            "expected pictures of {} × {} pixels to animate as {}, got one of {} × {}", images[0].nx, images[0].ny,
-            path, image.nx, image.ny);
+  for (const Image& image : images) check_size(path, image, images[0]);
+  std::vector<std::vector<uint8_t>> pictures;
   Frames frames;
   for (const Image& image : images) {
     const Image small = shrunk_to(image, widest_animation);
     frames.columns = small.nx;
     frames.rows = small.ny;
-    frames.pictures.push_back(codes_of(small, white));
+    pictures.push_back(codes_of(small, white));
   }
+  frames.count = pictures.size();
+  frames.picture = [&](size_t i) { return pictures[i]; };
   for (size_t i = 0; i < images.size(); ++i) frames.order.push_back(i);  // forward and back
   for (size_t i = images.size() - 2; i > 0; --i) frames.order.push_back(i);
-  // The duration of a frame in the units of a format.
-  const auto duration = [&](double units_per_second, double most) {
-    const double units = std::round(units_per_second * seconds / double(frames.order.size()));
-    return int(std::clamp(units, 0.02 * units_per_second, most));
+  // All frames are equally long: in whole units of the format.
+  const double units_per_second = extension_of(path) == ".gif" ? 100 : 1000,
+               most = extension_of(path) == ".gif" ? 65535 : 0xffffff;
+  const double units = std::round(units_per_second * seconds / double(frames.order.size()));
+  frames.seconds = std::clamp(units, 0.02 * units_per_second, most) / units_per_second;
+  write_frames(path, frames);
+}
+
+void save_film(const std::string& path, const FilmPictures& film, double fps) {
+  check_animation(path);
+  require(film.count >= 1, "expected 1 picture or more for the film {}, got none", path);
+  require(std::isfinite(fps) && fps > 0, "expected a film of more than 0 pictures per second for {}, got {}", path,
+          fps);
+  const Image first = shrunk_to(film.picture(0), widest_animation);
+  Frames frames{first.nx, first.ny, film.count, {}, {}, 1 / fps};
+  frames.picture = [&](size_t i) {
+    const Image picture = shrunk_to(film.picture(i), widest_animation);
+    check_size(path, picture, first);
+    return codes_of(picture, 1);
   };
-  if (extension_of(path) == ".gif") return write_gif(path, frames, duration(100, 65535));
-  const int milliseconds = duration(1000, 0xffffff);
-  extension_of(path) == ".webp" ? write_webp(path, frames, milliseconds) : write_film(path, frames, milliseconds);
+  for (size_t i = 0; i < film.count; ++i) frames.order.push_back(i);
+  write_frames(path, frames);
 }
 
 }  // namespace holotrace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,23 @@ bool has_animation_ending(const std::string& path);
 /// @throws Error   for fewer than 2 pictures, different sizes, another ending, a white or a duration that is not above 0,
 ///                 as check_animation does, and where NewFile throws
 void save_animation(const std::string& path, const std::vector<Image>& images, double white, double seconds);
+
+/// Pictures of a film, each made when it is written.
+struct FilmPictures {
+  size_t count = 0;
+  std::function<Image(size_t)>
+      picture;  ///< linear light, white is 1; all of one size; may be called by several threads
+};
+
+/// Writes a film in the formats of save_animation. It plays forward; GIF and WebP begin again at the end. Pictures wider than
+/// widest_animation are averaged down to it.
+///
+/// Durations of frames are those of `fps`, rounded to the units of the format (GIF 1/100 s, at least 2/100 s; WebP 1/1000 s) so
+/// that no error adds up. MP4 and WebM have the rate itself. The pictures of a WebP are kept until its end as encoded; otherwise one
+/// at a time is.
+/// @param fps     pictures per second, above 0
+/// @throws Error  for no pictures, different sizes, another ending, and as save_animation
+void save_film(const std::string& path, const FilmPictures& film, double fps);
 
 /// Checks, before the work, that an animation can be written. @throws Error for another ending, and if it needs ffmpeg
 /// and none is installed that can write it

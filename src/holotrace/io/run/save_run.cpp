@@ -124,15 +124,34 @@ void save_numbered(const OutputSet& set, const std::string& name, const std::vec
                [&](int64_t i) { save(set.path(numbered_path(name, size_t(i))), items[size_t(i)]); });
 }
 
-void save_results(const OutputSet& set, const RunResults& results, const Job& job, const StageObserver& watch) {
-  save_numbered(set, run_render, results.renders,
-                [&](const std::string& path, const Image& image) { save_image(path, image, results.render_white, 8); });
+// What a run has beside its pictures and holograms.
+void save_light(const OutputSet& set, const RunResults& results) {
   save_numbered(set, run_radiance, results.radiances.empty() ? results.renders : results.radiances,
                 [&](const std::string& path, const Image& image) { save_image(path, image, results.render_white, 8); });
   const auto save_set = [](const std::string& path, const Sources& sources) { save_sources(path, sources); };
   save_numbered(set, "sources.ply", results.sources, save_set);
   save_numbered(set, run_points, results.points, save_set);
   save_numbered(set, "field.npy", results.fields, save_fields<float>);
+}
+
+// The pictures of films, views as bright as their renders.
+void save_film_pictures(const OutputSet& set, const RunResults& results) {
+  const auto save = [](double factor) {
+    return [factor](const std::string& path, const Image& image) {
+      Image small = shrunk_to(image, widest_animation);
+      for (float& value : small.values) value = float(value * factor);
+      save_image(path, small, 1, 8);
+    };
+  };
+  save_numbered(set, film_render, results.renders, save(1));
+  save_numbered(set, film_view, results.views, save(results.render_white / results.white));
+}
+
+void save_results(const OutputSet& set, const RunResults& results, const Job& job, const StageObserver& watch,
+                  bool is_of_film) {
+  save_numbered(set, run_render, results.renders,
+                [&](const std::string& path, const Image& image) { save_image(path, image, results.render_white, 8); });
+  is_of_film ? save_film_pictures(set, results) : save_light(set, results);
   save_holograms(set, run_hologram, results.holograms);
   const ViewSeries none;  // the stereo pair has another name
   save_views(set, run_view, {results.viewpoints, {results.views, results.white}, results.sweep, none, job.camera},
@@ -146,7 +165,8 @@ void save_results(const OutputSet& set, const RunResults& results, const Job& jo
   }
   Observer chart;
   if (watch) chart.on_warning = [&](const std::string& sentence) { watch("chart").warn(sentence); };
-  if (has_convergence(results.report)) try_save_chart(set, "convergence.png", convergence_chart(results.report), chart);
+  if (has_convergence(results.report) && !is_of_film)
+    try_save_chart(set, "convergence.png", convergence_chart(results.report), chart);
 }
 
 }  // namespace
@@ -164,15 +184,15 @@ std::vector<std::string> run_paths(const std::string& folder) {
 }
 
 SavedRun save_run(const std::string& folder, const RunResults& results, const Job& job, const StageObserver& watch,
-                  const std::function<std::shared_ptr<void>()>& before_naming) {
+                  const std::function<std::shared_ptr<void>()>& before_naming, const FilmMark* film) {
   const std::string report = (std::filesystem::path(folder) / "report.json").string();
   const FileRecord earlier = report_record(report);
   SavedRun saved;
   std::shared_ptr<void> naming;
   const auto write = [&](const OutputSet& set) {
-    save_results(set, results, job, watch);
+    save_results(set, results, job, watch, film != nullptr);
     saved.files = set.record();
-    save_report(set.path("report.json"), results.report, saved.files);
+    save_report(set.path("report.json"), results.report, saved.files, film);
     // From here on the folder may hold files of both runs.
     if (before_naming) naming = before_naming();
     if (is_there(report) && !is_report(report)) saved.notes.push_back(set_aside(report));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "holotrace/io/files/output_set.h"
+#include "holotrace/io/run_folder.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/view_holograms.h"
 
@@ -62,8 +63,10 @@ struct SavedRun {
 /// program is killed while the files get their names, report.json says that the folder is incomplete.
 /// @param watch          of the stages "save the sweep" and "chart"
 /// @param before_naming  is called before the files get their names; what it returns lives until they have them
+/// @param film           of a time of a film: fields, waves, places, radiance and charts are left out, and film_render.exr and
+///                       film_view.exr are added, the pictures of the films (film.h)
 SavedRun save_run(const std::string& folder, const RunResults& results, const Job& job, const StageObserver& watch = {},
-                  const std::function<std::shared_ptr<void>()>& before_naming = {});
+                  const std::function<std::shared_ptr<void>()>& before_naming = {}, const FilmMark* film = nullptr);
 
 /// Reads what save_run wrote: renders, as their radiance with the white of an automatic exposure where that was written;
 /// sources, points, fields, holograms; and pictures of 8 or 16 bits, as linear light whose white is 1. The files do not

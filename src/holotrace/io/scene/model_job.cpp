@@ -148,11 +148,11 @@ Frame turns_of(const std::vector<std::string>& rotation) {
   Frame turns;
   for (const std::string& text : rotation) {
     const size_t first = text.find_first_not_of(' ');
-    const auto turn = parse_rotation(first == std::string::npos ? "" : text.substr(first));
+    const auto turn = parse_turn(first == std::string::npos ? "" : text.substr(first));
     require(turn.has_value(),
             "expected turns about axes for the rotation of the model, such as \"y 30 deg, x 10 deg\", got \"{}\"",
             text);
-    turns = compose(*turn, turns);
+    turns = compose(rotation_of(*turn), turns);
   }
   return turns;
 }
@@ -256,25 +256,30 @@ std::vector<double> focus_of(const std::vector<Mesh>& meshes, double distance, c
 
 }  // namespace
 
-Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params, Outside outside) {
+Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params, Outside outside, double time) {
   check_ranges(params);
-  LoadedModel model = load_meshes(path, outside);
+  LoadedModel model = load_meshes(path, outside);  // at 0 s, by which it is placed at all times
+  Frame placing;
+  const auto place = [&](const Frame& frame) {
+    move(frame, model.meshes);
+    placing = compose(frame, placing);
+  };
   const Grid& panel = slm.grid;
   const double distance = params.model_distance > 0 ? params.model_distance : depth_in_widths * panel.width();
-  move(upright(params.up), model.meshes);
+  place(upright(params.up));
   require(!model.meshes.empty(), "{}: expected a model with triangles or points, got none", path);
   const std::string extension = extension_of(path);
   const bool has_front = extension == ".glb" || extension == ".gltf";
   if (!params.rotation.empty())
-    move(turns_of(params.rotation), model.meshes);
+    place(turns_of(params.rotation));
   else if (!model.is_of_points)  // many scans show one side, +z
-    move(view_of_front(model.meshes, has_front), model.meshes);
+    place(view_of_front(model.meshes, has_front));
 
   // On the floor, which is y = 0 here, about the axis of the model.
   std::vector<Vec3> places = places_of(model.meshes);
   const ModelBounds standing = bounds_of(places);
   const Vec3 foot{standing.middle().x, standing.low.y, standing.middle().z};
-  move(shift(foot * -1.0), model.meshes);
+  place(shift(foot * -1.0));
   for (Vec3& p : places) p = p - foot;
   const double radius = std::max(radius_of(places), 0.1 * standing.high.y - 0.1 * standing.low.y);
   const bool has_floor = params.floor == ModelFloor::round;
@@ -296,7 +301,7 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   const Vec3 size = seen.high - seen.low;
   const double factor = params.fit / std::max(size.x / panel.width(), size.y / panel.height());
   const Vec3 middle{0, 0, -distance};
-  move(compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view))), model.meshes);
+  place(compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view))));
 
   const double reach = 0.67 * distance;  // of the lamps
   job.scene.lights = {lamp(middle, Vec3{-0.40, 0.55, 0.73} * reach, 0.4 * reach, 0.85),
@@ -311,6 +316,15 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   job.camera.distances = focus_of({job.scene.meshes.begin(), job.scene.meshes.begin() + std::ptrdiff_t(own)}, distance,
                                   slm, job.wavelengths.front());
   job.render.focus = job.camera.distances.front();
+  job.time = time;
+  job.last_key = model.last_key;
+  if (time != 0 && model.last_key) {
+    LoadedModel posed = load_meshes(path, outside, {time});
+    move(placing, posed.meshes);
+    if (has_floor) posed.meshes.push_back(std::move(job.scene.meshes.back()));
+    job.scene.meshes = std::move(posed.meshes);
+    std::move(posed.materials.begin(), posed.materials.end(), job.scene.materials.begin());  // that of the floor stays
+  }
   check_scene(job.scene);
   return job;
 }

@@ -34,8 +34,9 @@ double turn_that_shows_most(const std::vector<Mesh>& meshes, const std::vector<d
 /// The camera is focused on the nearest and on the farthest surface that faces the panel. Colours are chosen
 /// (choose_wavelengths). All else is as in an empty scene file.
 /// @param slm     panel that shows it
+/// @param time    time of the model's first animation [s]. Place, size and light are those for the model at 0 s.
 /// @throws Error  as load_meshes does, and for a rotation that cannot be read
 Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params = {},
-                  Outside outside = Outside::refused);
+                  Outside outside = Outside::refused, double time = 0);
 
 }  // namespace holotrace

@@ -59,17 +59,27 @@ std::vector<double> read_wavelengths(TomlTable& root) {
   return wavelengths;
 }
 
-Job read_job(TomlTable& root, const std::string& path, Outside outside) {
+// The time at which the scene is read: the one that is asked for, or that of the file.
+void choose_time(TomlTable& root, std::optional<double> asked) {
+  const auto time = std::make_shared<SceneTime>();
+  root.instant("time", time->now, range::any);
+  if (asked) time->now = *asked;
+  root.read_at(time);
+}
+
+Job read_job(TomlTable& root, const std::string& path, Outside outside, std::optional<double> time) {
   Job job;
+  choose_time(root, time);
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
-                              "render", "synthesize", "encode", "show", "propagate", "camera"})
+                              "render", "synthesize", "encode", "show", "propagate", "camera", "animate"})
     root.know(section);
   root.know("wavelength");
   root.refuse_unknown_keys();
 
   job.wavelengths = read_wavelengths(root);
   root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
-  const auto slm = root.table("slm", "preset = \"pluto\"");
+  auto slm = root.table("slm", "preset = \"pluto\"");
+  if (slm) slm->read_at(nullptr);  // a panel stays as it is
   job.slm = slm ? read_slm(*slm, "pluto") : slm_preset("pluto");
   if (!job.slm.own_effects.empty())
     job.slm.preset = path;  // a panel with effects of its own is read from this file again
@@ -93,11 +103,18 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside) {
   read_params(root, "show", job.show);
   read_params(root, "propagate", job.propagate);
   read_params(root, "camera", job.camera);
+  if (auto animate = root.table("animate")) {
+    animate->read_at(nullptr);
+    describe(*animate, job.animate);
+    animate->refuse_unknown_keys();
+  }
   const auto camera = root.table("camera");
   job.are_distances_given = camera && camera->has("distances");
   check_path_expressions(root, "trace", job.trace.path_expressions);
   check_path_expressions(root, "render", job.render.path_expressions);
   root.locate("", [&] { check_scene(job.scene); });
+  job.time = root.time()->now;
+  job.last_key = root.time()->last;
   return job;
 }
 
@@ -119,11 +136,14 @@ void rename_keys(toml::table& scene, const std::string& path, std::vector<std::s
 }
 
 // Puts the keys of `over` into `base`: tables key by key; everything else is replaced as a whole (lists of tables, and
-// tables with the key `type`, such as another kind of material).
+// tables with the key `type`, such as another kind of material, and keys over time).
 void overrule(toml::table& base, toml::table&& over) {
   for (auto&& [key, node] : over) {
     toml::node* present = base.get(key);
-    if (present && present->is_table() && node.is_table() && !node.as_table()->contains("type")) {
+    const auto is_merged = [](const toml::node& one) {
+      return one.is_table() && !one.as_table()->contains("type") && !is_over_time(*one.as_table());
+    };
+    if (present && present->is_table() && is_merged(node)) {
       overrule(*present->as_table(), std::move(*node.as_table()));
       continue;
     }
@@ -173,24 +193,26 @@ Slm load_slm(const std::string& name) {
   return slm;
 }
 
-Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside outside) {
+Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside outside, std::optional<double> time) {
   TomlTable root(tables, std::make_shared<const SceneArrays>(arrays), "the scene");
-  return read_job(root, "", outside);
+  return read_job(root, "", outside, time);
 }
 
 Slm slm_of_table(const toml::table& table) {
   return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "");
 }
 
-Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm) {
-  if (is_mesh_file(path)) return job_for_model(path, load_slm(slm.empty() ? "pluto" : slm), model, outside);
+Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm,
+             std::optional<double> time) {
+  if (is_mesh_file(path))
+    return job_for_model(path, load_slm(slm.empty() ? "pluto" : slm), model, outside, time.value_or(0));
   check_file_exists(path, "a scene file");
   require(extension_of(path) == ".toml" || (is_text_file(path) && extension_of(path) != ".json"),
           "{}: expected a scene .toml or a model such as .obj or .glb, got {}", path, kind_of_file(path));
   std::vector<std::string> files, warnings;
   const toml::table parsed = read_scene(path, files, warnings);
   TomlTable root(parsed, files, "the scene file");
-  Job job = read_job(root, path, outside);
+  Job job = read_job(root, path, outside, time);
   job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());
   if (!slm.empty()) job.slm = load_slm(slm);
   return job;

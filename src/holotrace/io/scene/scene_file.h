@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "holotrace/data/job.h"
@@ -16,10 +17,11 @@ namespace holotrace {
 /// @param outside  whether models may name files outside their own folders; a scene itself may name any
 /// @param model    how a file of meshes is shown
 /// @param slm      panel in place of the scene's, or of `pluto` for a file of meshes, as load_slm takes it; "": theirs
+/// @param time     time at which keys over time and the animations of models are read [s]; nothing: `time` of the scene file, or 0
 /// @throws Error starting with file:line:column for values that are missing, unknown (naming the nearest known
 ///         name), without a unit, out of range, or in front of the panel
 Job load_job(const std::string& path, Outside outside = Outside::refused, const ModelParams& model = {},
-             const std::string& slm = "");
+             const std::string& slm = "", std::optional<double> time = std::nullopt);
 
 /// Reads a panel: by name (slm_preset), from the [slm] of a scene file, or from a panel file, which has the keys of
 /// [slm] and no tables. @throws Error as slm_preset and load_job do

@@ -227,12 +227,19 @@ void SceneObjects::check_unused_shapes() {
 
 SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
   const std::string file = read_file_name(object, "file");
-  if (!models_.contains(file)) {
-    object.locate("file", [&] { models_[file].loaded = load_meshes(file, outside_); });
-    const auto& warnings = models_[file].loaded.warnings;
-    job_.warnings.insert(job_.warnings.end(), warnings.begin(), warnings.end());
+  PoseTime at{object.time()->now};
+  object.text("animation", at.animation);
+  object.instant("animation_time", at.seconds, range::any);
+  object.flag("animation_repeats", at.repeats);
+  const std::tuple key(file, at.seconds, at.animation, at.repeats);
+  if (!models_.contains(key)) {
+    object.locate("file", [&] { models_[key].loaded = load_meshes(file, outside_, at); });
+    for (const std::string& warning : models_[key].loaded.warnings)
+      if (std::find(job_.warnings.begin(), job_.warnings.end(), warning) == job_.warnings.end())
+        job_.warnings.push_back(warning);
   }
-  Model& model = models_[file];
+  Model& model = models_[key];
+  if (model.loaded.last_key && !object.has("animation_time")) object.time()->note(*model.loaded.last_key);
   const bool has_own_material = object.has("material");
   if (!has_own_material && model.first_material < 0) {
     model.first_material = int(job_.scene.materials.size());

@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "holotrace/data/job.h"
@@ -57,7 +58,7 @@ class SceneObjects {
   std::set<std::string> open_shapes_;  // shapes being read, to refuse a shape that contains itself
   size_t objects_ = 0;                 // objects read, parts of shapes each time anew
   std::set<std::string> used_shapes_;
-  std::map<std::string, Model> models_;
+  std::map<std::tuple<std::string, double, std::string, bool>, Model> models_;  // by file and pose
   int default_material_ = -1;
 };
 

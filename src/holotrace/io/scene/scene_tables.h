@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <optional>
 #include <vector>
 
 #include "holotrace/data/image.h"
@@ -25,8 +26,10 @@ struct SceneArrays {
 /// The job of tables with the keys of a scene file, except `extends`. Relative paths in them begin at the working
 /// directory.
 /// @param arrays  what they hold instead of the names of files
+/// @param time    as load_job takes it
 /// @throws Error starting with the name of the table, as load_job does
-Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside outside = Outside::refused);
+Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside outside = Outside::refused,
+                  std::optional<double> time = std::nullopt);
 
 /// The panel of a table with the keys of [slm]. @throws Error as job_of_tables does
 Slm slm_of_table(const toml::table& table);

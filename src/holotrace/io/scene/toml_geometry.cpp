@@ -1,11 +1,14 @@
 // Readers of the positions, directions, rotations, outlines and colours of a TOML table.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "holotrace/base/quaternion.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
-#include "holotrace/io/scene/toml_table.h"
+#include "holotrace/io/scene/toml_keys.h"
 
 namespace holotrace {
 
@@ -17,10 +20,11 @@ Vec3 TomlTable::read_vector(const char* key, const toml::node& node) const {
 }
 
 void TomlTable::length_vector(const char* key, Vec3& value, const Range& range) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  value = read_vector(key, *node);
-  for (const double one : {value.x, value.y, value.z}) check(key, *node, one, range, Quantity::length);
+  interpolate(key, value, [&](const toml::node& node) {
+    const Vec3 read = read_vector(key, node);
+    for (const double one : {read.x, read.y, read.z}) check(key, node, one, range, Quantity::length);
+    return read;
+  });
 }
 
 void TomlTable::operator()(const Parameter<Vec3>& p) {
@@ -30,18 +34,17 @@ void TomlTable::operator()(const Parameter<Vec3>& p) {
 }
 
 void TomlTable::length_vectors(const char* key, std::vector<Vec3>& value) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const toml::array* items = node->as_array();
-  if (!items) fail_kind(key, "a list of texts such as \"0 0 -300 mm\"", *node);
-  require(!items->empty(), "{}expected one place or more for \"{}\", got none", where(key), key);
-  value.clear();
-  for (const toml::node& item : *items) value.push_back(read_vector(key, item));
+  interpolate(key, value, [&](const toml::node& node) {
+    const toml::array* items = node.as_array();
+    if (!items) fail_kind(key, "a list of texts such as \"0 0 -300 mm\"", node);
+    require(!items->empty(), "{}expected one place or more for \"{}\", got none", place(node.source()), key);
+    std::vector<Vec3> places;
+    for (const toml::node& item : *items) places.push_back(read_vector(key, item));
+    return places;
+  });
 }
 
 void TomlTable::colour(const char* key, Vec3& value, double most) {
-  const toml::node* node = find(key);
-  if (!node) return;
   const auto component = [&](const toml::node& item) {
     const auto number = to_number(item);
     if (!number) fail_kind(key, "a number or [red, green, blue]", item);
@@ -51,22 +54,22 @@ void TomlTable::colour(const char* key, Vec3& value, double most) {
     }
     return *number;
   };
-  if (const toml::array* items = node->as_array()) {
-    require(items->size() == 3, "{}expected a number or [red, green, blue] for \"{}\", got {} numbers", where(key), key,
-            items->size());
-    value = {component((*items)[0]), component((*items)[1]), component((*items)[2])};
-  } else {
-    const double grey = component(*node);
-    value = {grey, grey, grey};
-  }
+  interpolate(key, value, [&](const toml::node& node) -> Vec3 {
+    const toml::array* items = node.as_array();
+    if (!items) {
+      const double grey = component(node);
+      return {grey, grey, grey};
+    }
+    require(items->size() == 3, "{}expected a number or [red, green, blue] for \"{}\", got {} numbers",
+            place(node.source()), key, items->size());
+    return {component((*items)[0]), component((*items)[1]), component((*items)[2])};
+  });
 }
 
-void TomlTable::direction(const char* key, Vec3& value) {
-  const toml::node* node = find(key);
-  if (!node) return;
+Vec3 TomlTable::read_direction(const char* key, const toml::node& node) const {
   const char* expected = "a direction [x, y, z] of three plain numbers";
-  const toml::array* items = node->as_array();
-  if (!items || items->size() != 3) fail_kind(key, expected, *node);
+  const toml::array* items = node.as_array();
+  if (!items || items->size() != 3) fail_kind(key, expected, node);
   std::array<double, 3> numbers{};
   for (size_t i = 0; i < 3; ++i) {
     const auto number = to_number((*items)[i]);
@@ -78,31 +81,100 @@ void TomlTable::direction(const char* key, Vec3& value) {
   const Vec3 given{numbers[0], numbers[1], numbers[2]};
   const double size = std::hypot(given.x, given.y, given.z);
   require(size > 0 && std::isfinite(size), "{}expected a direction for \"{}\", got [0, 0, 0], which points nowhere",
-          where(key), key);
-  value = given / size;
+          place(node.source()), key);
+  return given / size;
 }
 
+void TomlTable::direction(const char* key, Vec3& value) {
+  if (!has(key)) return;
+  interpolate(key, value, [&](const toml::node& node) { return read_direction(key, node); });
+  const double size = std::hypot(value.x, value.y, value.z);
+  require(size > 1e-6, "{}expected directions less than 180 deg apart for \"{}\", got opposite ones; add a key between",
+          where(key), key);
+  value = value / size;
+}
+
+namespace {
+
+using Turns = std::vector<AxisTurn>;
+
+Frame composed(const Turns& turns) {
+  Frame rotation;
+  for (const AxisTurn& turn : turns) rotation = compose(rotation_of(turn), rotation);
+  return rotation;
+}
+
+bool have_same_axes(const std::vector<Turns>& keys) {
+  return std::all_of(keys.begin(), keys.end(), [&](const Turns& turns) {
+    return std::equal(turns.begin(), turns.end(), keys[0].begin(), keys[0].end(),
+                      [](const AxisTurn& a, const AxisTurn& b) { return a.axis == b.axis; });
+  });
+}
+
+// Turns about the same axes by angle, so that "y 720 deg" is two turns. Others the shortest way, as quaternions.
+Frame rotation_at(const std::vector<double>& times, const std::vector<Turns>& turns, Interpolation interpolation,
+                  double now) {
+  Keyframes keys{times, {}, interpolation};
+  if (have_same_axes(turns)) {
+    for (const Turns& one : turns) {
+      keys.values.emplace_back();
+      for (const AxisTurn& turn : one) keys.values.back().push_back(turn.angle);
+    }
+    Turns between = turns[0];
+    const std::vector<double> angles = value_at(keys, now);
+    for (size_t i = 0; i < between.size(); ++i) between[i].angle = angles[i];
+    return composed(between);
+  }
+  std::vector<Quaternion> rotations;
+  for (const Turns& one : turns) {
+    Quaternion q = quaternion_of(composed(one));
+    double cosine = 0;
+    for (size_t i = 0; i < 4 && !rotations.empty(); ++i) cosine += q[i] * rotations.back()[i];
+    if (cosine < 0)
+      for (double& part : q) part = -part;
+    rotations.push_back(q);
+    keys.values.emplace_back(q.begin(), q.end());
+  }
+  const auto [key, part] = place_among(times, now);
+  if (interpolation == Interpolation::linear && part > 0)
+    return rotation_by(slerp(rotations[key], rotations[key + 1], part));
+  const std::vector<double> q = value_at(keys, now);
+  return rotation_by(normalize(Quaternion{q[0], q[1], q[2], q[3]}));
+}
+
+}  // namespace
+
 void TomlTable::rotation(const char* key, Frame& value) {
-  const toml::node* node = find(key);
+  const toml::node* node = find_value(key);
   if (!node) return;
-  value = Frame{};
-  const auto turn = [&](const toml::node& item) {
+  const auto turn_of = [&](const toml::node& item) {
     const auto text = item.value_exact<std::string>();
     const char* expected = "an axis and an angle, such as \"y 30 deg\",";
     if (!text) fail_kind(key, expected, item);
-    std::optional<Frame> step;
+    std::optional<AxisTurn> turn;
     try {
-      step = parse_rotation(*text);
+      turn = parse_turn(*text);
     } catch (const Error& e) {
       fail("{}{} for \"{}\"", place(item.source()), e.what(), key);
     }
-    if (!step) fail_kind(key, expected, item);
-    value = compose(*step, value);
+    if (!turn) fail_kind(key, expected, item);
+    return *turn;
   };
-  if (const toml::array* items = node->as_array())
-    for (const toml::node& item : *items) turn(item);
-  else
-    turn(*node);
+  const auto turns_of = [&](const toml::node& given) {
+    const toml::array* items = given.as_array();
+    if (!items) return Turns{turn_of(given)};
+    Turns turns;
+    for (const toml::node& item : *items) turns.push_back(turn_of(item));
+    return turns;
+  };
+  if (!node->is_table()) {
+    value = composed(turns_of(*node));
+    return;
+  }
+  const Keys keys = keys_over_time(key, *node->as_table(), Interpolation::linear);
+  std::vector<Turns> turns;
+  for (const toml::node* one : keys.nodes) turns.push_back(turns_of(*one));
+  value = rotation_at(keys.times, turns, keys.interpolation, time_->now);
 }
 
 void TomlTable::outline(const char* key, std::vector<Vec2>& value) {

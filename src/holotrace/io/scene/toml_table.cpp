@@ -13,6 +13,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/params/animate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/params/parameter_texts.h"
@@ -24,6 +25,7 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
 #include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/toml_keys.h"
 
 namespace holotrace {
 namespace {
@@ -118,6 +120,7 @@ Places all_places() {
   add_keys<ShowParams>(places, "show");
   add_keys<PropagateParams>(places, "propagate");
   add_keys<CameraParams>(places, "camera");
+  add_keys<AnimateParams>(places, "animate");
   return places;
 }
 
@@ -178,11 +181,6 @@ std::string TomlTable::beside(const char* key, const std::string& name) const {
   return (holder.parent_path() / name).string();
 }
 
-const toml::node* TomlTable::find(const char* key) {
-  known_.insert(key);
-  return table_->get(key);
-}
-
 void TomlTable::fail_kind(const char* key, const char* expected, const toml::node& got) const {
   fail("{}expected {} for \"{}\", got {}", place(got.source()), expected, key, describe_value(got));
 }
@@ -214,12 +212,12 @@ void TomlTable::count(const char* key, int64_t& value, const Range& range) {
 }
 
 void TomlTable::number(const char* key, double& value, const Range& range) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const auto number = to_number(*node);
-  if (!number) fail_kind(key, "a number", *node);
-  check(key, *node, *number, range, Quantity::number);
-  value = *number;
+  interpolate(key, value, [&](const toml::node& node) {
+    const auto number = to_number(node);
+    if (!number) fail_kind(key, "a number", node);
+    check(key, node, *number, range, Quantity::number);
+    return *number;
+  });
 }
 
 void TomlTable::flag(const char* key, bool& value) {
@@ -256,12 +254,19 @@ std::optional<size_t> TomlTable::array_index(const char* key) {
 TomlTable TomlTable::inner(const toml::table& table, std::string name) const {
   TomlTable made(table, files_, std::move(name));
   made.arrays_ = arrays_;
+  made.time_ = time_;
   return made;
 }
 
-std::string TomlTable::length_text(const char* key, const toml::node& node) const {
-  const auto text = text_with_unit(node, "m");
-  if (!text) fail_kind(key, fmt::format("a length with its unit, such as \"{}\",", length_example(key)).c_str(), node);
+std::string TomlTable::length_text(const char* key, const toml::node& node, Quantity quantity) const {
+  const bool is_time = quantity == Quantity::time;
+  const auto text = text_with_unit(node, is_time ? "s" : "m");
+  if (!text)
+    fail_kind(key,
+              fmt::format("a {} with its unit, such as \"{}\",", is_time ? "time" : "length",
+                          is_time ? "0.5 s" : length_example(key))
+                  .c_str(),
+              node);
   return *text;
 }
 
@@ -269,7 +274,7 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
   std::vector<double> values;
   const auto append = [&](const toml::node& item) {
     try {
-      const std::vector<double> some = lengths_within(length_text(key, item), range::any, key, quantity);
+      const std::vector<double> some = values_within(length_text(key, item, quantity), range::any, key, quantity);
       values.insert(values.end(), some.begin(), some.end());
     } catch (const Error& e) {
       if (is_placed(e)) throw;
@@ -284,30 +289,37 @@ std::vector<double> TomlTable::read_lengths(const char* key, const toml::node& n
 }
 
 void TomlTable::length(const char* key, double& value, const Range& range, Quantity quantity) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const std::string text = length_text(key, *node);
-  double metres = 0;
-  try {
-    metres = length_within(text, range::any, key, quantity);
-  } catch (const Error& e) {
-    fail("{}{} for \"{}\"", where(key), e.what(), key);
-  }
-  check(key, *node, metres, range, quantity);
-  value = metres;
+  interpolate(key, value, [&](const toml::node& node) {
+    const std::string text = length_text(key, node, quantity);
+    double metres = 0;
+    try {
+      metres = value_within(text, range::any, key, quantity);
+    } catch (const Error& e) {
+      fail("{}{} for \"{}\"", place(node.source()), e.what(), key);
+    }
+    check(key, node, metres, range, quantity);
+    return metres;
+  });
+}
+
+void TomlTable::instant(const char* key, double& value, const Range& range) {
+  length(key, value, range, Quantity::time);
 }
 
 void TomlTable::lengths(const char* key, std::vector<double>& value, const Range& range, Quantity quantity) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  value = read_lengths(key, *node, quantity);
-  require(!value.empty(), "{}expected one length or more for \"{}\", got none", where(key), key);
-  for (const double one : value) check(key, *node, one, range, quantity);
+  interpolate(key, value, [&](const toml::node& node) {
+    const std::vector<double> read = read_lengths(key, node, quantity);
+    require(!read.empty(), "{}expected one {} or more for \"{}\", got none", place(node.source()),
+            quantity == Quantity::time ? "time" : "length", key);
+    for (const double one : read) check(key, node, one, range, quantity);
+    return read;
+  });
 }
 
 void TomlTable::operator()(const Parameter<double>& p) {
   if (is_length(p.quantity)) return length(p.name, p.value, p.range, p.quantity);
   if (p.quantity == Quantity::angle) return angle(p.name, p.value, p.range);
+  if (p.quantity == Quantity::time) return instant(p.name, p.value, p.range);
   number(p.name, p.value, p.range);
 }
 
@@ -333,16 +345,22 @@ void TomlTable::operator()(const Parameter<std::vector<std::string>>& p) {
 }
 
 void TomlTable::angle(const char* key, double& value, const Range& range) {
-  const toml::node* node = find(key);
-  if (!node) return;
-  const auto text = text_with_unit(*node, "rad");
-  if (!text) fail_kind(key, "an angle with its unit, such as \"15 deg\",", *node);
-  locate(key, [&] { value = parse_angle(*text); });
-  check(key, *node, value, range, Quantity::angle);
+  interpolate(key, value, [&](const toml::node& node) {
+    const auto text = text_with_unit(node, "rad");
+    if (!text) fail_kind(key, "an angle with its unit, such as \"15 deg\",", node);
+    double radians = 0;
+    try {
+      radians = parse_angle(*text);
+    } catch (const Error& e) {
+      throw Error(place(node.source()) + e.what());
+    }
+    check(key, node, radians, range, Quantity::angle);
+    return radians;
+  });
 }
 
 std::optional<TomlTable> TomlTable::table(const char* key, const char* example) {
-  const toml::node* node = find(key);
+  const toml::node* node = find_value(key);
   if (!node) return std::nullopt;
   if (!node->is_table())
     fail_kind(key, fmt::format("a table headed [{}], with {} below it,", key, example).c_str(), *node);
@@ -351,7 +369,7 @@ std::optional<TomlTable> TomlTable::table(const char* key, const char* example) 
 
 std::vector<TomlTable> TomlTable::tables(const char* key) {
   std::vector<TomlTable> found;
-  const toml::node* node = find(key);
+  const toml::node* node = find_value(key);
   if (!node) return found;
   const toml::array* items = node->as_array();
   if (!items) fail_kind(key, "tables headed [[…]]", *node);
@@ -376,7 +394,7 @@ std::vector<TomlTable> TomlTable::named_tables(const char* key, std::vector<std:
 }
 
 void TomlTable::require_key(const char* key) {
-  if (find(key)) return;
+  if (find_value(key)) return;
   for (auto&& [other, node] : *table_) {
     const std::string name(other.str());
     if (!known_.contains(name) && !nearest_name(name, {key}).empty())

@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/keyframes.h"
 #include "holotrace/base/vec.h"
 #include "holotrace/data/params/parameter.h"
 
@@ -24,6 +26,17 @@ toml::table parse_toml(const std::string& path, const char* kind);
 
 struct SceneArrays;
 
+/// The time at which the values of a scene are read, and what its tables say about time.
+struct SceneTime {
+  double now = 0;                ///< [s]
+  std::optional<double> last{};  ///< the latest key of all values that were read [s]; nothing if no value has keys
+
+  void note(double key) { last = std::max(last.value_or(key), key); }
+};
+
+/// Whether a table has keys over time, { "0 s" = …, "1 s" = … }, which stand for one value.
+bool is_over_time(const toml::table& table);
+
 /// The number of a TOML value, whole or not; nothing for values of another kind.
 std::optional<double> to_number(const toml::node& node);
 
@@ -32,6 +45,10 @@ std::optional<double> to_number(const toml::node& node);
 /// `describe` of data/params/: describe(table, params) reads a parameter set.
 ///
 /// Each value is checked against the range that its reader is given. Every Error starts with file:line:column.
+///
+/// In tables that are read at a time (read_at), a value may have keys, { "0 s" = …, "1 s" = … }. Lengths, angles, numbers,
+/// colours, directions and rotations are interpolated between them, as `interpolation` beside the keys says: "linear", "smooth"
+/// or "step" (base/keyframes.h). Other values are those of the last key; before the first one they are its value.
 ///
 /// Tables may also be made in memory. Then numbers are lengths in metres and angles in radians beside texts with a unit,
 /// indices of `arrays` stand for files, and an Error starts with the name of its table.
@@ -54,6 +71,10 @@ class TomlTable {
   std::optional<size_t> array_index(const char* key);
   const SceneArrays* arrays() const { return arrays_.get(); }
 
+  /// From here on, this table and those that it gives are read at that time; nullptr: no value may have keys.
+  void read_at(std::shared_ptr<SceneTime> time) { time_ = std::move(time); }
+  const std::shared_ptr<SceneTime>& time() const { return time_; }
+
   /// "file:line:column: " of a key's value, or of the table if the key is "" or absent.
   std::string where(const char* key) const;
 
@@ -75,7 +96,7 @@ class TomlTable {
   void operator()(const Parameter<int64_t>& p) { count(p.name, p.value, p.range); }
   void operator()(const Parameter<double>& p);
   void operator()(const Parameter<bool>& p) { flag(p.name, p.value); }
-  void operator()(const Parameter<std::vector<double>>& p) { lengths(p.name, p.value, p.range); }
+  void operator()(const Parameter<std::vector<double>>& p) { lengths(p.name, p.value, p.range, p.quantity); }
   void operator()(const Parameter<Vec3>& p);                      ///< "0 0 300 mm" or three texts
   void operator()(const Parameter<std::vector<std::string>>& p);  ///< a text or a list of them
   void operator()(const Parameter<DeviceChoice>& p);              ///< "opencl:1"
@@ -93,9 +114,10 @@ class TomlTable {
   void text(const char* key, std::string& value);                   ///< a text that is not empty
   /// "8 um"; a wavelength: or "HeNe"
   void length(const char* key, double& value, const Range& range, Quantity quantity = Quantity::length);
-  /// "1 2 mm", a list; wavelengths: or "HeNe, DPSS 532"
+  /// "1 2 mm", a list; wavelengths: or "HeNe, DPSS 532"; times: "0 0.5 s"
   void lengths(const char* key, std::vector<double>& value, const Range& range, Quantity quantity = Quantity::length);
-  void angle(const char* key, double& value, const Range& range);  ///< "15 deg"
+  void angle(const char* key, double& value, const Range& range);    ///< "15 deg"
+  void instant(const char* key, double& value, const Range& range);  ///< "0.5 s"
 
   /// One of the names of an enumeration.
   template <class Enum>
@@ -125,26 +147,40 @@ class TomlTable {
   /// @throws Error for the first key that no reader asked for, naming the most similar known key
   void refuse_unknown_keys() const;
 
-  /// The value of a key; nullptr if it is absent. The key is known from then on. With place and fail_kind it serves
+  /// The value of a key; nullptr if it is absent. The key is known from then on. Of a value with keys over time it is the
+  /// one at the table's time. With place and fail_kind it serves
   /// readers of values of a special form.
   const toml::node* find(const char* key);
   std::string place(const toml::source_region& source) const;  ///< "file:line:column: "
   [[noreturn]] void fail_kind(const char* key, const char* expected, const toml::node& got) const;
 
  private:
+  // The keys of a value over time: in their order, what stands at each.
+  struct Keys {
+    std::vector<double> times;
+    std::vector<const toml::node*> nodes;
+    Interpolation interpolation;
+  };
+
+  const toml::node* find_value(const char* key);  // also with keys over time
+  Keys keys_over_time(const char* key, const toml::table& table, Interpolation otherwise) const;
+  template <class Value, class Read>
+  void interpolate(const char* key, Value& value, const Read& read);
   const std::string& file(const toml::source_region& source) const;
   bool is_placed(const Error& error) const;  // whether it starts with a position in one of the files, or a table
   TomlTable inner(const toml::table& table, std::string name) const;
   void check(const char* key, const toml::node& node, double value, const Range& range, Quantity quantity) const;
-  std::string length_text(const char* key, const toml::node& node) const;
+  std::string length_text(const char* key, const toml::node& node, Quantity quantity) const;
   std::optional<std::string> text_with_unit(const toml::node& node, const char* unit) const;
   std::vector<double> read_lengths(const char* key, const toml::node& node, Quantity quantity = Quantity::length) const;
   Vec3 read_vector(const char* key, const toml::node& node) const;
+  Vec3 read_direction(const char* key, const toml::node& node) const;
 
   const toml::table* table_;
   std::vector<std::string> files_;
   std::string name_;
   std::shared_ptr<const SceneArrays> arrays_;  // nullptr for tables from files
+  std::shared_ptr<SceneTime> time_;            // nullptr for tables without keys over time
   std::set<std::string> known_;
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -11,11 +12,18 @@ namespace {
 
 std::string encoder_of(const std::string& path) { return extension_of(path) == ".mp4" ? "libx264" : "libvpx-vp9"; }
 
-std::vector<std::string> ffmpeg_words(const std::string& path, size_t columns, size_t rows, int milliseconds) {
+// Frames per second as ffmpeg reads them: exact for whole milliseconds.
+std::string rate_of(double seconds) {
+  const double milliseconds = std::round(1000 * seconds);
+  return std::abs(1000 * seconds - milliseconds) < 1e-9 ? fmt::format("1000/{:.0f}", milliseconds)
+                                                        : fmt::format("{:.9g}", 1 / seconds);
+}
+
+std::vector<std::string> ffmpeg_words(const std::string& path, size_t columns, size_t rows, double seconds) {
   std::vector<std::string> words{"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-xerror", "-y"};
   const auto add = [&](std::initializer_list<std::string> some) { words.insert(words.end(), some); };
   add({"-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", fmt::format("{}x{}", columns, rows)});
-  add({"-framerate", fmt::format("1000/{}", milliseconds), "-i", "pipe:0"});
+  add({"-framerate", rate_of(seconds), "-i", "pipe:0"});
   add({"-vf", "scale=out_range=tv:out_color_matrix=bt709:flags=accurate_rnd+full_chroma_int", "-pix_fmt", "yuv420p"});
   add({"-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"});
   add({"-c:v", encoder_of(path), "-crf", "15", "-threads", "1", "-flags:v", "+bitexact", "-fflags", "+bitexact"});
@@ -43,7 +51,7 @@ void check_film(const std::string& path) {
       encoder, path);
 }
 
-void write_film(const std::string& path, const Frames& frames, int milliseconds) {
+void write_film(const std::string& path, const Frames& frames) {
   check_film(path);
   const auto nx = size_t(frames.columns), ny = size_t(frames.rows), columns = nx + nx % 2, rows = ny + ny % 2;
   std::vector<char> frame(3 * columns * rows);
@@ -55,11 +63,11 @@ void write_film(const std::string& path, const Frames& frames, int milliseconds)
   size_t sent = 0;
   const auto next = [&] {
     if (sent == frames.order.size()) return std::string_view();
-    fill(frames.pictures[frames.order[sent++]]);
+    fill(frames.picture(frames.order[sent++]));
     return std::string_view(frame.data(), frame.size());
   };
   write_atomically(path, [&](const std::string& temporary) {
-    std::vector<std::string> words = ffmpeg_words(path, columns, rows, milliseconds);
+    std::vector<std::string> words = ffmpeg_words(path, columns, rows, frames.seconds);
     words.push_back("file:" + temporary);
     const ProgramRun run = run_program(words, next);
     require(run.has_succeeded, "expected ffmpeg to write {}, got \"{}\"; update ffmpeg, or name a .webp or .gif", path,

@@ -1,8 +1,14 @@
 #include "holotrace/io/picture/formats/formats.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace holotrace {
+
+int Frames::duration(size_t i, double units_per_second, int least) const {
+  const auto end_of = [&](size_t frames) { return std::llround(double(frames) * seconds * units_per_second); };
+  return std::max(least, int(end_of(i + 1) - end_of(i)));
+}
 
 int PictureHeader::channel(const std::string& name) const {
   const auto found = std::find(channels.begin(), channels.end(), name);

@@ -115,28 +115,33 @@ struct ExrHeader {
 /// Writes an EXR, completely or not at all. @param samples [row][column][channel] @throws Error where NewFile does
 void write_exr(const std::string& path, const ExrHeader& header, const float* samples);
 
-/// Pictures that are shown one after the other.
+/// Pictures that are shown one after the other, each made when it is written.
 struct Frames {
   int columns = 0, rows = 0;
-  std::vector<std::vector<uint8_t>> pictures;  ///< [row][column] sRGB codes R, G, B
-  std::vector<size_t> order;                   ///< numbers of pictures, as they are shown
+  size_t count = 0;                                     ///< number of pictures
+  std::function<std::vector<uint8_t>(size_t)> picture;  ///< [row][column] sRGB codes R, G, B; called by several threads
+  std::vector<size_t> order;                            ///< numbers of pictures, as they are shown
+  double seconds = 0;                                   ///< duration of each frame [s]
+
+  /// The duration of the i-th frame in a format's units, at least `least`: ends are rounded, so that no error adds up.
+  int duration(size_t i, double units_per_second, int least) const;
 };
 
 // Writers of animations, completely or not at all.
 
 /// An endless GIF. Pictures with more than 256 colours are dithered.
-/// @param hundredths  duration of each frame [1/100 s]
+/// Durations are whole hundredths of a second, at least 2.
 /// @throws Error for more than 65535 columns or rows, and where NewFile does
-void write_gif(const std::string& path, const Frames& frames, int hundredths);
+void write_gif(const std::string& path, const Frames& frames);
 
-/// An endless WebP. @throws Error for more than 16383 columns or rows, and where NewFile does
-void write_webp(const std::string& path, const Frames& frames, int milliseconds);
+/// An endless WebP. Durations are whole milliseconds, at least 1. @throws Error for more than 16383 columns or rows, and where NewFile does
+void write_webp(const std::string& path, const Frames& frames);
 
 /// A film that plays once: `.mp4` (H.264) or `.webm` (VP9), by the program ffmpeg, which runs as a separate process. Its
 /// samples are Y′CbCr of BT.709 in 8 bits, with one of each chroma for 2 × 2 pixels. An odd picture gets its last
 /// column or row twice. One thread encodes it, so that the same pictures give the same bytes.
 /// @throws Error as check_film does; with ffmpeg's message, if it fails; and where NewFile does
-void write_film(const std::string& path, const Frames& frames, int milliseconds);
+void write_film(const std::string& path, const Frames& frames);
 
 /// @throws Error if no ffmpeg is installed that can write such a film
 void check_film(const std::string& path);

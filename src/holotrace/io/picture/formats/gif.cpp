@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -226,20 +227,25 @@ bool write_frame(GifFileType* gif, int columns, int rows, IndexedPicture& pictur
 
 }  // namespace
 
-void write_gif(const std::string& path, const Frames& frames, int hundredths) {
+void write_gif(const std::string& path, const Frames& frames) {
   constexpr int most = 65535;
   const int columns = frames.columns, rows = frames.rows;
   require(columns <= most && rows <= most,
           "{}: expected at most {} × {} pixels in a GIF, got {} × {}; use a larger pixel", path, most, most, columns,
           rows);
-  std::vector<IndexedPicture> indexed;
-  for (const auto& colours : frames.pictures) indexed.push_back(indexed_picture(colours, columns, rows));
+  std::vector<size_t> uses(frames.count, 0);
+  for (const size_t picture : frames.order) ++uses[picture];
+  std::map<size_t, IndexedPicture> indexed;  // those that are shown again
   NewFile file(path);
   int reason = 0;
   Gif gif(EGifOpen(&file, put, &reason), [](GifFileType* one) { return EGifCloseFile(one, nullptr); });
   bool is_written = gif && write_start(gif.get(), columns, rows);
-  for (size_t i = 0; is_written && i < frames.order.size(); ++i)
-    is_written = write_frame(gif.get(), columns, rows, indexed[frames.order[i]], hundredths);
+  for (size_t i = 0; is_written && i < frames.order.size(); ++i) {
+    const size_t picture = frames.order[i];
+    if (!indexed.contains(picture)) indexed[picture] = indexed_picture(frames.picture(picture), columns, rows);
+    is_written = write_frame(gif.get(), columns, rows, indexed[picture], frames.duration(i, 100, 2));
+    if (--uses[picture] == 0) indexed.erase(picture);
+  }
   is_written = gif && EGifCloseFile(gif.release(), nullptr) == GIF_OK && is_written;
   file.check();
   require(is_written, "expected to write {} as a GIF of {} × {} pixels, but it cannot hold them; use fewer pixels",

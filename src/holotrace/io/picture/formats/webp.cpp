@@ -68,28 +68,30 @@ struct EncodedWebP {
 
 // Each picture is encoded once, all of them at the same time. libwebp's WebPAnimEncoder would encode one frame after the
 // other, also those on the way back.
-void write_webp(const std::string& path, const Frames& frames, int milliseconds) {
+void write_webp(const std::string& path, const Frames& frames) {
   require(frames.columns <= WEBP_MAX_DIMENSION && frames.rows <= WEBP_MAX_DIMENSION,
           "{}: expected at most {} × {} pixels in a WebP, got {} × {}; use a larger pixel", path, WEBP_MAX_DIMENSION,
           WEBP_MAX_DIMENSION, frames.columns, frames.rows);
   NewFile file(path);
-  std::vector<EncodedWebP> encoded(frames.pictures.size());
+  std::vector<EncodedWebP> encoded(frames.count);
   parallel_for(0, int64_t(encoded.size()), [&](int64_t i) {
     uint8_t* bytes = nullptr;
-    encoded[size_t(i)].size = WebPEncodeLosslessRGB(frames.pictures[size_t(i)].data(), frames.columns, frames.rows,
-                                                    3 * frames.columns, &bytes);
+    const std::vector<uint8_t> colours = frames.picture(size_t(i));
+    encoded[size_t(i)].size =
+        WebPEncodeLosslessRGB(colours.data(), frames.columns, frames.rows, 3 * frames.columns, &bytes);
     encoded[size_t(i)].bytes.reset(bytes);
   });
   const std::unique_ptr<WebPMux, WebPFrees> mux(WebPMuxNew());
   const WebPMuxAnimParams endless{0xffffffff, 0};
   bool is_made = mux && WebPMuxSetAnimationParams(mux.get(), &endless) == WEBP_MUX_OK;
-  for (const size_t i : frames.order) {
+  for (size_t i = 0; i < frames.order.size(); ++i) {
+    const EncodedWebP& picture = encoded[frames.order[i]];
     WebPMuxFrameInfo frame{};
-    frame.bitstream = {encoded[i].bytes.get(), encoded[i].size};
+    frame.bitstream = {picture.bytes.get(), picture.size};
     frame.id = WEBP_CHUNK_ANMF;
-    frame.duration = milliseconds;
+    frame.duration = frames.duration(i, 1000, 1);
     frame.blend_method = WEBP_MUX_NO_BLEND;
-    is_made = is_made && encoded[i].size > 0 && WebPMuxPushFrame(mux.get(), &frame, 0) == WEBP_MUX_OK;
+    is_made = is_made && picture.size > 0 && WebPMuxPushFrame(mux.get(), &frame, 0) == WEBP_MUX_OK;
   }
   WebPData whole{};
   is_made = is_made && WebPMuxAssemble(mux.get(), &whole) == WEBP_MUX_OK;

@@ -1,0 +1,101 @@
+// animate: a scene at several times → holograms and films.
+
+#include <memory>
+#include <string>
+
+#include "checkpoints.h"
+#include "commands.h"
+#include "console.h"
+#include "holotrace/base/units.h"
+#include "holotrace/io/files/folders.h"
+#include "holotrace/io/files/output.h"
+#include "holotrace/io/picture/animation.h"
+#include "holotrace/io/run/film.h"
+#include "rank_links.h"
+#include "run_flags.h"
+
+namespace holotrace {
+namespace {
+
+const char* said_of(FilmStep step) {
+  switch (step) {
+    case FilmStep::kept:
+      return "kept from an earlier call";
+    case FilmStep::same:
+      return "equal to the time before";
+    case FilmStep::computed:
+      break;
+  }
+  return "computed";
+}
+
+}  // namespace
+
+void add_animate_command(CLI::App& app, const GlobalFlags& global) {
+  CLI::App* command = app.add_subcommand(
+      "animate", "film: the holograms of a scene at several times, and films of what is seen of them");
+  struct Options {
+    std::string scene, folder;
+    RunFlags flags;
+    Flags times{{{"format", "film_format"}, {"start", "film_start"}}};  // --start is that of [encode]
+  };
+  auto o = std::make_shared<Options>();
+  add_scene(*command, o->scene);
+  command
+      ->add_option(
+          "-o,--output", o->folder,
+          "output folder: t_0001, t_0002, … with the holograms, the render and the view of each time; films of the "
+          "views (view.webp; several distances: view_2.webp, …) and of the renders (render.webp); timing.csv, "
+          "the order in which a display shows the holograms; and report.json. The same command resumes an "
+          "interrupted one: finished times are kept")
+      ->required()
+      ->type_name("DIR");
+  o->times.add(*command, AnimateParams(), {}, "Times (overrides the scene's [animate])");
+  o->flags.add(*command, false);
+  shorten_help(*command,
+               {"holotrace animate scene.toml -o film", "holotrace animate scene.toml -o film --seconds 2 --fps 25",
+                "holotrace animate walk.glb -o film --film-format mp4"},
+               {"--output", "--film-start", "--seconds", "--fps", "--times", "--film-format", "--slm", "--wavelength",
+                "--quality", "--method", "--frames", "--distance", "--pupil", "--eye", "--paths", "--seed", "--help",
+                "--help-all"});
+  command->callback([o, &global] {
+    Job first = o->flags.job(o->scene, global.outside());
+    o->times.apply(first.animate);
+    FilmPlan plan{times_of(first.animate, first.last_key), first.animate.fps, first.animate.format,
+                  [&](double time) { return o->flags.job(o->scene, global.outside(), time); }};
+    require(
+        first.camera.sweep == Sweep::none,
+        "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");
+    const std::vector<std::string> films = film_paths(o->folder, plan.format);
+    if (has_animation_ending(films.front())) check_animation(films.front());
+    make_folder(o->folder);
+    const FolderLock lock(o->folder);
+    for (const std::string& path : films) note_output(path);
+    Console console(global.is_quiet);
+    console.keep_progress_in(o->folder);
+    RankLinks links(*global.ranks, global.threads);
+    const size_t count = plan.times.size();
+    FilmWatch watch;
+    watch.stages = [&](size_t i) {
+      return
+          [&, i](const std::string& stage) { return console.watch(fmt::format("{} of {}: {}", i + 1, count, stage)); };
+    };
+    watch.on_time = [&](size_t i, FilmStep step) {
+      console.finish();
+      if (!global.is_quiet) fmt::print("{} of {}, {}: {}\n", i + 1, count, format_time(plan.times[i]), said_of(step));
+      std::fflush(stdout);
+    };
+    watch.before_naming = defer_interrupts;
+    const SavedRun saved = make_film(o->folder, plan, watch, {}, &links);
+    global.ranks->is_job_running = false;
+    console.finish();
+    say_warnings(saved.notes);
+    if (global.is_quiet) return;
+    fmt::print("film of {} times, {:g} s at {:g} per second, in {}:", count, double(count) / plan.fps, plan.fps,
+               printable(o->folder));
+    for (const auto& [name, bytes] : saved.files) fmt::print(" {}", name);
+    fmt::print(" report.json\n");
+  });
+}
+
+}  // namespace holotrace

@@ -1,0 +1,76 @@
+"""The verb animate, and files of films."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Iterator, Mapping, Sequence, Union
+
+import numpy as np
+
+from . import _core
+from ._encode import Run, run
+from ._fields import Path
+from ._images import Image
+from ._parameters import takes
+from ._progress import Progress
+from ._scenes import Scene, load_scene
+
+#: What moves: a scene file or a model, the tables of a scene with keys over time, or a function that gives the scene at a time [s].
+Moving = Union[Path, Mapping[str, Any], Callable[[float], Scene]]
+
+
+def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
+    if isinstance(moving, (str, os.PathLike)):
+        return lambda time: load_scene(moving, allow_outside=allow_outside, time=time)
+    if isinstance(moving, Mapping):
+        return lambda time: Scene(moving, allow_outside=allow_outside, time=time)
+    if isinstance(moving, Scene) or not callable(moving):
+        raise _core.Error(
+            f"expected what moves: a path, the tables of a scene, or a function of time, got {type(moving).__name__}; "
+            "a Scene is one of one time"
+        )
+    function = moving
+
+    def scene_at(time: Any) -> Scene:
+        scene = function(0.0 if time is None else time)
+        if not isinstance(scene, Scene):
+            raise _core.Error(f"expected a Scene at {time} s, got {type(scene).__name__}")
+        return scene
+
+    return scene_at
+
+
+@takes("animate", without=("format",), of_scene=True)
+def animate(
+    moving: Moving, *, stages: Mapping[str, Mapping[str, Any]] = {}, allow_outside: bool = False,
+    progress: Progress = None, **params: Any
+) -> Iterator[Run]:
+    """The holograms of a scene at several times, one after the other: a `Run` for each, with its ``time``.
+
+    ``moving`` is a scene file or a model, the tables of a scene (see `Scene`) with keys over time, or a function that gives the
+    scene at a time in seconds. ``stages`` are tables whose values replace the scene's, as those of `run`::
+
+        for one in ht.animate("chess.toml", seconds=2, fps=25, stages={"trace": {"paths": 16}}):
+            one.holograms[0].save(f"hologram_{one.time:.3f}.png")
+
+    Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
+    """
+    scene_at = _at(moving, allow_outside)
+    times = scene_at(None)._core.times(params)
+
+    def runs() -> Iterator[Run]:
+        for time in times:
+            made = run(scene_at(time), progress=progress, **stages)
+            made.time = time
+            yield made
+
+    return runs()
+
+
+def save_film(path: Path, images: Sequence[Image], *, fps: float = 25, white: float = 1) -> None:
+    """Write pictures as a film: .webp, .gif, or, with the program ffmpeg, .mp4 and .webm.
+
+    ``white`` is the value that is shown as white. Pictures wider than 960 pixels are averaged down to that.
+    """
+    cores = [(one if isinstance(one, Image) else Image(np.asarray(one)))._core for one in images]
+    _core.save_film(os.fspath(path), cores, float(fps), float(white))

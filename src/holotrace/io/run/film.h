@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "holotrace/data/job.h"
+#include "holotrace/io/run/save_run.h"
+
+namespace holotrace {
+
+/// A scene at several times.
+struct FilmPlan {
+  std::vector<double> times;               ///< [s], in their order, at least one
+  double fps = 25;                         ///< times that are shown per second
+  FilmFormat format = FilmFormat::webp;    ///< of the films
+  std::function<Job(double time)> job_at;  ///< the scene at a time [s]
+};
+
+/// What becomes of a time of a film.
+enum class FilmStep { computed, kept, same };
+
+/// What a caller hears while a film is made.
+struct FilmWatch {
+  std::function<StageObserver(size_t time)> stages{};         ///< observers of the stages at that time
+  std::function<void(size_t time, FilmStep step)> on_time{};  ///< after each time
+  std::function<void(const std::string& sentence)> warn{};
+  std::function<std::shared_ptr<void>()> before_naming{};  ///< as save_run takes it
+};
+
+/// Path of the folder of a time, counted from 0: t_0001, t_0002, ….
+std::string film_folder(const std::string& folder, size_t time);
+
+/// The paths of the files that a film writes into its folder, beside the folders of its times.
+std::vector<std::string> film_paths(const std::string& folder, FilmFormat format);
+
+/// Makes the holograms of a scene at each time, as `run` makes them, and films of them.
+///
+///     t_0001/, t_0002/, …   for each time the folder of a run, without its fields and waves: render.png, hologram.png, view.png,
+///                           report.json; and film_render.exr, film_view.exr, the pictures of the films: linear light
+///                           [W/m²/sr], at most widest_animation wide
+///     view.webp, …          film of the views at the first distance of the camera; view_2.webp at the second, …
+///     render.webp           film of the renders
+///     timing.csv            the order in which a display shows the holograms (write_timing)
+///     report.json           times and figures
+///
+/// **Exposure.** All pictures of the films have the same white: the brightest of those of the renders. Views are shown as bright
+/// as their renders, as if the light on the panel followed the scene's (timing.csv has it).
+///
+/// **Resuming.** A time whose folder holds the finished run of the same job, by a fingerprint of the whole job and of the
+/// program's version, is kept. So a call that was killed goes on with the first time that it has not finished, and a longer film
+/// keeps the times of a shorter one. The files have the same bytes as without an interruption.
+///
+/// **What does not change.** If nothing that the results depend on differs from the time before, they are saved again. Holograms of
+/// waves are taken again if only what the camera does differs (EarlierRun).
+///
+/// Memory holds the results of two times; of a WebP also its encoded pictures.
+/// @throws Error  as run, save_run and save_film do; for times with other wavelengths or sizes of pictures than the first
+SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch = {},
+                   const CheckpointOf& checkpoint_of = {}, ProcessLinks* links = nullptr);
+
+}  // namespace holotrace

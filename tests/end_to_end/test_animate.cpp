@@ -1,0 +1,220 @@
+// Films by the command line: holotrace animate.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "end_to_end/expect_error.h"
+#include "end_to_end/scenes.h"
+#include "holotrace/io/picture/image_file.h"
+#include "support/gif.h"
+#include "support/program.h"
+
+namespace holotrace::test {
+namespace {
+
+using Json = nlohmann::json;
+
+// A cube of points that moves along x for 0.4 s, 30 mm behind the small panel, and then rests, before a white wall; it is
+// shown by a kinoform.
+std::string moving_scene() {
+  return scene_head(small_panel, "background = 0.1\n") +
+         "[render]\nrows = 32\npaths = 2\n[encode]\nmethod = \"phase\"\n[camera]\ndistances = \"30 mm\"\n"
+         "[animate]\nfps = 5\n"
+         "[[object]]\ntype = \"wireframe_cube\"\nsize = \"0.5 mm\"\npoints_per_edge = 3\namplitude = 2\n"
+         "position = { \"0 s\" = \"-0.4 0 -30 mm\", \"400 ms\" = \"0.4 0 -30 mm\" }\n"
+         "[[object]]\ntype = \"quad\"\nwidth = \"2 mm\"\nheight = \"2 mm\"\nposition = \"0 0 -32 mm\"\n"
+         "[trace]\ncolumns = 16\nrows = 16\npaths = 2\n";
+}
+
+// All files of a film but for its reports, which have the seconds of each stage, with their bytes.
+std::map<std::string, std::string> files_of(const Workplace& work, const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const std::string& name : work.names())
+    if (name.starts_with(folder + "/") && !name.ends_with("report.json") &&
+        std::filesystem::is_regular_file(work.path(name)))
+      files[name.substr(folder.size())] = work.read(name);
+  return files;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Animate, EachTimeHasTheBytesOfAFreshRun) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  const Outcome outcome = work.run({"animate", "scene.toml", "-o", "film", "--seconds", "0.6"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "still", "--time", "200 ms", "-q"}).exit_code, 0);
+  for (const char* name : {"hologram.png", "view.png", "render.png"})
+    EXPECT_EQ(work.read(std::string("film/t_0002/") + name), work.read(std::string("still/") + name)) << name;
+  EXPECT_NE(work.read("film/t_0001/hologram.png"), work.read("film/t_0002/hologram.png"));
+  EXPECT_FALSE(work.has("film/t_0004"));
+  EXPECT_FALSE(work.has("film/t_0002/field.npy"));
+  EXPECT_EQ(Json::parse(work.read("still/report.json")).at("time_s"), 0.2);
+  const Json report = Json::parse(work.read("film/report.json"));
+  ASSERT_EQ(report.at("times").size(), 3u);
+  EXPECT_EQ(report.at("times")[1].at("time_s"), 0.2);
+  EXPECT_EQ(report.at("times")[1].at("folder"), "t_0002");
+  EXPECT_EQ(report.at("times")[1].at("views").size(), 1u);
+  EXPECT_TRUE(report.at("times")[1].at("views")[0].contains("psnr_db"));
+  EXPECT_EQ(report.at("complete"), true);
+}
+
+// After 0.4 s the cube rests: the times 0.4 and 0.6 s have the same job.
+TEST(Animate, TimesThatAreEqualAreComputedOnce) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  const Outcome outcome = work.run({"animate", "scene.toml", "-o", "film", "--times", "0.2, 0.4, 0.6 s"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[0], "1 of 3, 200 ms: computed");
+  EXPECT_EQ(lines[1], "2 of 3, 400 ms: computed");
+  EXPECT_EQ(lines[2], "3 of 3, 600 ms: equal to the time before");
+  EXPECT_EQ(lines[3], "film of 3 times, 0.6 s at 5 per second, in film: render.webp timing.csv view.webp report.json");
+  EXPECT_EQ(work.read("film/t_0002/hologram.png"), work.read("film/t_0003/hologram.png"));
+  EXPECT_EQ(Json::parse(work.read("film/t_0003/report.json")).at("time_s"), 0.6);
+}
+
+// The second time has the waves and holograms of the first, and the bytes of a run that makes them anew.
+TEST(Animate, WhereOnlyTheEyeMovesHologramsAreTakenAgain) {
+  const Workplace work;
+  std::string scene = moving_scene();
+  scene.replace(scene.find("position = { \"0 s\""),
+                scene.find("[[object]]\ntype = \"quad\"") - scene.find("position = { \"0 s\""),
+                "position = \"0 0 -30 mm\"\n");
+  scene.replace(scene.find("[camera]\n"), 9,
+                "[camera]\npupil = \"0.5 mm\"\neye = { \"0 s\" = \"-0.5 0 5 mm\", \"400 ms\" = \"0.5 0 5 mm\" }\n");
+  work.write("scene.toml", scene);
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "film", "-q"}).exit_code, 0);
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "still", "--time", "200 ms", "-q"}).exit_code, 0);
+  for (const char* name : {"hologram.png", "view.png", "render.png"})
+    EXPECT_EQ(work.read(std::string("film/t_0002/") + name), work.read(std::string("still/") + name)) << name;
+  EXPECT_NE(work.read("film/t_0001/view.png"), work.read("film/t_0002/view.png"));
+  const auto stages_of = [&](const std::string& folder) {
+    std::vector<std::string> names;
+    const Json report = Json::parse(work.read(folder + "/report.json"));
+    for (const Json& stage : report.at("stages")) names.push_back(stage.at("stage"));
+    return names;
+  };
+  const std::vector<std::string> again{"render", "reuse", "show", "look at 30 mm"};
+  EXPECT_EQ(stages_of("film/t_0002"), again);
+  EXPECT_EQ(stages_of("still").size(), 6u);
+}
+
+TEST(Animate, AKilledFilmGoesOnToTheSameBytes) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "whole", "--seconds", "1", "-q"}).exit_code, 0);
+  const pid_t child = work.start({"animate", "scene.toml", "-o", "film", "--seconds", "1", "-q"});
+  int status = 0;
+  while (!work.has("film/t_0002/report.json") && waitpid(child, &status, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  kill(child, SIGKILL);
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(work.has("film/t_0001/report.json"));
+  const auto written = std::filesystem::last_write_time(work.path("film/t_0001/hologram.png"));
+  const Outcome outcome = work.run({"animate", "scene.toml", "-o", "film", "--seconds", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(lines_of(outcome.out).at(0), "1 of 5, 0 s: kept from an earlier call");
+  EXPECT_EQ(std::filesystem::last_write_time(work.path("film/t_0001/hologram.png")), written);
+  EXPECT_EQ(files_of(work, "film"), files_of(work, "whole"));
+}
+
+// A file of another size, a report that is gone, or another scene: the time is computed again.
+TEST(Animate, OnlyWholeRunsOfTheSameJobAreKept) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  const Words film{"animate", "scene.toml", "-o", "film", "--times", "0, 0.1, 0.2 s"};
+  ASSERT_EQ(work.run(film).exit_code, 0);
+  const auto whole = files_of(work, "film");
+  work.write("film/t_0001/view.png", "cut");
+  std::filesystem::remove(work.path("film/t_0002/report.json"));
+  const Outcome again = work.run(film);
+  EXPECT_EQ(lines_of(again.out).at(0), "1 of 3, 0 s: computed");
+  EXPECT_EQ(lines_of(again.out).at(1), "2 of 3, 100 ms: computed");
+  EXPECT_EQ(lines_of(again.out).at(2), "3 of 3, 200 ms: kept from an earlier call");
+  for (const auto& [name, bytes] : whole) EXPECT_EQ(work.read("film" + name), bytes) << name;
+  std::string brighter = moving_scene();
+  brighter.replace(brighter.find("amplitude = 2"), 13, "amplitude = 3");
+  work.write("scene.toml", brighter);
+  EXPECT_EQ(lines_of(work.run(film).out).at(2), "3 of 3, 200 ms: computed");
+}
+
+// The GIF has one frame for each time, each of 1/5 s. Its pictures have one exposure: the wall is equally bright in all.
+TEST(Animate, AFilmHasAPictureForEachTime) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "film", "--film-format", "gif", "-q"}).exit_code, 0);
+  for (const char* name : {"film/view.gif", "film/render.gif"}) {
+    const Gif gif = load_gif(work.path(name));
+    EXPECT_EQ(gif.frames.size(), 2u) << name;  // up to the last key at 0.4 s
+    EXPECT_EQ(gif.hundredths, 20);
+    EXPECT_NE(gif.frames.at(0), gif.frames.at(1));
+  }
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "film", "--film-format", "png", "-q"}).exit_code, 0);
+  EXPECT_FALSE(work.has("film/view.gif"));  // of the earlier call
+  const Image first = load_image(work.path("film/render_0001.png")),
+              second = load_image(work.path("film/render_0002.png"));
+  EXPECT_EQ(first.ny, 32);
+  const float wall = first(2, first.nx / 2);
+  EXPECT_GT(wall, 0.05F);
+  EXPECT_NEAR(wall, second(2, first.nx / 2), 0.01);  // two sRGB codes: light from all around has no noise on the wall
+}
+
+// Two frames in two colours: four holograms at each time, in the order in which they are shown.
+TEST(Animate, TheTableOfTimesListsEveryHologram) {
+  const Workplace work;
+  std::string scene = moving_scene();
+  scene.replace(scene.find("\"532 nm\""), 8, "[\"638 nm\", \"532 nm\"]");
+  scene.insert(scene.find("[render]"), "levels = 2\n");  // of the panel
+  work.write("scene.toml", scene);
+  const Outcome outcome = work.run({"animate", "scene.toml", "-o", "film", "--frames", "2", "-q"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<std::string> lines = lines_of(work.read("film/timing.csv"));
+  ASSERT_EQ(lines.size(), 9u);
+  EXPECT_EQ(lines[0], "start_s,duration_s,time_s,frame,wavelengths_nm,bit_plane,illumination_w_per_m2,light,file");
+  const auto starts = [&](size_t line, const std::string& begin, const std::string& end) {
+    EXPECT_TRUE(lines[line].starts_with(begin) && lines[line].ends_with(end)) << lines[line];
+  };
+  starts(1, "0,0.05,0,1,638,1,", ",,t_0001/hologram.png");
+  starts(2, "0.05,0.05,0,1,532,2,", ",,t_0001/hologram_2.png");
+  starts(3, "0.1,0.05,0,2,638,3,", ",,t_0001/hologram_3.png");
+  starts(8, "0.35,0.05,0.2,2,532,4,", ",,t_0002/hologram_4.png");
+}
+
+TEST(Animate, WhatCannotBeAFilmIsRefused) {
+  const Workplace work;
+  work.write("still.toml",
+             scene_head() + "[[object]]\ntype = \"wireframe_cube\"\nsize = \"0.5 mm\"\nposition = \"0 0 -30 mm\"\n");
+  work.write("scene.toml", moving_scene());
+  expect_error(work, {"animate", "still.toml", "-o", "film"}, {"expected the duration of the film", "give seconds"});
+  expect_error(work, {"animate", "scene.toml", "-o", "film", "--seconds", "1e6", "--fps", "1000"},
+               {"expected at most 100000 times of a film, got 1e+09"});
+  expect_error(work, {"animate", "scene.toml", "-o", "film", "--times", "1, 0.5 s"},
+               {"expected the times of a film in their order"});
+  expect_error(work, {"animate", "scene.toml", "-o", "film", "--film-start", "1"},
+               {"--film-start: expected a time with its unit"});
+  expect_error(work, {"animate", "scene.toml", "-o", "film", "--fps", "0"}, {"--fps: expected a number"});
+  expect_error(
+      work, {"animate", "scene.toml", "-o", "film", "--sweep", "focus", "--sweep-from", "28 mm", "--sweep-to", "32 mm"},
+      {"expected a film without a sweep"});
+  expect_error(work, {"run", "scene.toml", "-o", "out", "--time", "1 h"},
+               {"--time: expected a time in one of the units s, ms"});
+}
+
+}  // namespace
+}  // namespace holotrace::test

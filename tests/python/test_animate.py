@@ -1,0 +1,81 @@
+"""Films in Python: keys over time, animate, save_film."""
+
+import numpy as np
+import pytest
+
+import holotrace as ht
+
+PANEL = {"columns": 64, "rows": 48, "pitch": 8e-6}
+
+
+def moving(**more):
+    """A point quad that moves along x from -0.1 mm to 0.1 mm in 1 s, in tables."""
+    return {
+        "wavelength": 532e-9,
+        "slm": PANEL,
+        "object": [{"type": "points", "points": [(0.0, 0.0, 0.0)],
+                    "position": {"0 s": (-1e-4, 0, -0.03), "1 s": (1e-4, 0, -0.03)}}],
+        "trace": {"phase": "constant"},
+        "render": {"rows": 8, "paths": 1},
+        "encode": {"method": "phase"},
+        "camera": {"distances": 0.03},
+        **more,
+    }
+
+
+def test_a_scene_is_that_of_its_time():
+    for time, x in ((0, -1e-4), ("250 ms", -0.5e-4), (0.5, 0), (7, 1e-4)):
+        waves = ht.trace(ht.Scene(moving(), time=time))[0]
+        assert np.asarray(waves.positions)[0] == pytest.approx([x, 0, -0.03], abs=1e-15)
+    assert ht.Scene(moving(), time="250 ms").time == 0.25
+    assert ht.Scene(moving(time="500 ms")).time == 0.5
+
+
+def test_animate_gives_the_run_of_each_time():
+    runs = list(ht.animate(moving(), fps=4))
+    assert [one.time for one in runs] == [0, 0.25, 0.5, 0.75]
+    alone = ht.run(ht.Scene(moving(), time=0.5))
+    assert np.array_equal(np.asarray(runs[2].holograms[0]), np.asarray(alone.holograms[0]))
+    assert not np.array_equal(np.asarray(runs[1].holograms[0]), np.asarray(alone.holograms[0]))
+    again = list(ht.animate(moving(animate={"times": [0.5]})))
+    assert [one.time for one in again] == [0.5]
+
+
+def test_a_function_of_time_moves_what_it_likes():
+    def scene(time):
+        tables = moving()
+        tables["object"][0]["position"] = (1e-4 * np.cos(time), 0, -0.03)
+        return ht.Scene(tables)
+
+    runs = ht.animate(scene, times="0 1 s", stages={"camera": {"distances": 0.031}})
+    assert [round(one.time, 9) for one in runs] == [0, 1]
+
+
+def test_what_does_not_move_is_refused():
+    with pytest.raises(ht.Error, match="expected what moves"):
+        ht.animate(ht.Scene(moving()), seconds=1)
+    tables = moving()
+    tables["object"][0]["position"] = (0, 0, -0.03)
+    with pytest.raises(ht.Error, match="expected the duration of the film"):
+        ht.animate(tables)
+    with pytest.raises(ht.Error, match="at most 100000 times"):
+        ht.animate(tables, seconds=1e9)
+    with pytest.raises(ht.Error, match="expected a time in seconds"):
+        ht.Scene(moving(), time=[1])
+    with pytest.raises(ht.Error, match='unknown parameter "second"'):
+        ht.animate(tables, second=1)
+
+
+def test_a_film_is_written_from_pictures(tmp_path):
+    pictures = [ht.Image(np.full((4, 6), value, np.float32)) for value in (0.0, 1.0, 2.0)]
+    path = tmp_path / "film.gif"
+    ht.save_film(path, pictures, fps=10, white=2)
+    image = pytest.importorskip("PIL.Image").open(path)
+    assert (image.n_frames, image.size, image.info["duration"]) == (3, (6, 4), 100)
+    image.seek(1)
+    # Half of white in linear light is 0.7354 in sRGB: 187.5 of 255.
+    assert abs(int(np.asarray(image.convert("L"))[0, 0]) - 188) <= 1
+    with pytest.raises(ht.Error, match="more than 0 pictures per second"):
+        ht.save_film(path, pictures, fps=0)
+    with pytest.raises(ht.Error, match="expected pictures of 6 × 4 pixels"):
+        ht.save_film(path, [pictures[0], ht.Image(np.zeros((2, 2), np.float32))])
