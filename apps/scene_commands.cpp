@@ -147,7 +147,7 @@ void aim_at_eye_of_camera(Job& job) {
 void add_run(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
-    std::string scene, folder, wavelengths, eye_separation, checkpoint;
+    std::string scene, folder, wavelengths, eye_separation, checkpoint, last;
     std::optional<int64_t> seed;
     bool is_estimated = false;
     ModelFlags model;
@@ -176,6 +176,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
                    "distance between two eyes along x: stereo pairs of render and view [the scene's]")
       ->type_name("LENGTH");
   Checkpoints::add_flag(*command, o->checkpoint);
+  add_last(*command, o->last);
   o->flags.add(*command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
   o->encode_flags.add(*command, EncodeParams(),
                       {"seed", "device", "resample", "target_columns", "target_rows", "eye", "pupil"},
@@ -212,6 +213,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
         !checkpoints.are_kept() || aims_at_scene(job),
         "expected --checkpoint only with the method sgd and the target render or light-field; give [encode] target, "
         "or leave out --checkpoint");
+    const std::vector<Hologram> last = load_last(o->last);  // before its folder is written again
     if (job.camera.sweep != Sweep::none) check_animation(sweep_paths(run_view, 0, job.camera.sweep_format).front());
     make_folder(o->folder);
     const FolderLock lock(o->folder);
@@ -222,7 +224,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     console.keep_progress_in(o->folder);
     RankLinks links(*global.ranks, global.threads);
     RunResults results = run(
-        job, console.stages(), [&](size_t i) { return checkpoints.of(i); }, &links);
+        job, console.stages(), [&](size_t i) { return checkpoints.of(i); }, &links, last);
     global.ranks->is_job_running = false;
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, results.report));

@@ -69,9 +69,11 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// With several holograms or illumination states, the report has one entry per kind of stage: the seconds of
 /// all, the facts as merge_fact adds them up (base/observer.h), the curves of the first, and each warning once.
 /// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
+/// @param last   holograms of the last picture of a film, in the order of RunResults::holograms, from which those that aim at the
+///               scene's light go on (encode_frames); none: they start afresh
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
 RunResults run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
-               ProcessLinks* links = nullptr);
+               ProcessLinks* links = nullptr, const std::vector<Hologram>& last = {});
 
 /// Checks a job before the first stage of `run`.
 /// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without

@@ -166,10 +166,46 @@ bool is_dark(const TargetSet& targets, double wavelength, const Observer& observ
   return true;
 }
 
+void check_last(const Hologram& last, const Hologram& next) {
+  require(last.level.nx == next.level.nx && last.level.ny == next.level.ny,
+          "expected a last hologram of {} × {} pixels, as the panel has, got {} × {}", next.level.nx, next.level.ny,
+          last.level.nx, last.level.ny);
+  require(last.modulation == next.modulation && last.levels == next.levels,
+          "expected a last hologram of {} levels of {}, got {} levels of {}; give one that was made for this panel",
+          next.levels, name_of(next.modulation, modulation_names), last.levels, name_of(last.modulation, modulation_names));
+  require(std::abs(last.wavelength / next.wavelength - 1) < 1e-9,
+          "expected a last hologram at {}, got one at {}; give the holograms of each wavelength in the order of the new ones",
+          format_length(next.wavelength), format_length(last.wavelength));
+}
+
+// Levels of the last picture in place of a start. Rolling frames move up by one place, and the first becomes the last.
+DescentStart go_on_from(const std::vector<Hologram>& last, const EncodeParams& params, std::vector<Hologram>& frames) {
+  require(params.method == Encoding::sgd, "expected the method sgd for a start from the last holograms, got \"{}\"",
+          name_of(params.method, encoding_names));
+  require(last.size() == frames.size(), "expected {} frame(s) of the last picture, as many as the new one has, got {}",
+          frames.size(), last.size());
+  for (size_t m = 0; m < frames.size(); ++m) {
+    const Hologram& from = last[params.is_rolling ? (m + 1) % last.size() : m];
+    check_last(from, frames[m]);
+    frames[m].level = from.level;
+    frames[m].modulus_level = from.modulus_level;
+  }
+  return {.is_near = true, .fixed = params.is_rolling ? frames.size() - 1 : 0};
+}
+
+// The parameters of a descent from the last holograms.
+EncodeParams params_of_next(const EncodeParams& params) {
+  EncodeParams next = params;
+  next.iterations = next_iterations_of(params);
+  if (params.step == 0) next.step = sgd_next_step;
+  return next;
+}
+
 }  // namespace
 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
-                        const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint) {
+                        const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint,
+                        const std::vector<Hologram>& last) {
   require(!checkpoint || params.method == Encoding::sgd, "expected the method sgd for a checkpoint, got \"{}\"",
           name_of(params.method, encoding_names));
   check_iterations({targets}, slm, params, observer);
@@ -183,6 +219,13 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
   if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
+  if (!last.empty()) {
+    const DescentStart near = go_on_from(last, params, frames);
+    descend({targets}, known, params_of_next(params), observer, frames, checkpoint, nullptr, near);
+    observer.fact("illumination", Fact(frames.front().illumination));
+    observer.progress(1);
+    return frames.front();
+  }
   const Array2D<std::complex<float>> pattern = start_pattern(start, params, frames.front().modulation);
   if (params.method == Encoding::sgd) {
     write_start(pattern, levels, frames.front());
@@ -199,7 +242,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                                     const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint,
-                                    ProcessLinks* links) {
+                                    ProcessLinks* links, const std::vector<Hologram>& last) {
   check_iterations(targets, slm, params, observer);
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method, encoding_names));
@@ -208,7 +251,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   const Slm known = known_panel(slm, params);
   const bool has_dark_targets = is_dark(targets, wavelength, observer);
   std::optional<FrameStart> kind;  // none for dark targets
-  if (!has_dark_targets) kind = start_of_frames(targets, wavelength, frames, slm, params);
+  if (!has_dark_targets && last.empty()) kind = start_of_frames(targets, wavelength, frames, slm, params);
   for (int frame = 0; frame < frames; ++frame) {
     Field blank(slm.grid, wavelength);
     blank.label.frame = uint32_t(frame);
@@ -218,16 +261,22 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
       tell_phase_range(known, levels.range(), wavelength, observer);
     if (kind)
       write_frame_start(*kind, targets, {frame, frames}, slm, params, levels, holograms.back());
-    else
+    else if (has_dark_targets)
       write_start(start_pattern(blank, params, holograms.back().modulation), levels, holograms.back());
   }
-  if (!kind) {
+  if (has_dark_targets) {
     for (Hologram& hologram : holograms) hologram.illumination = 0;
     return holograms;
   }
   EncodeParams stepped = params;
-  if (params.step == 0) stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params), frames);
-  descend(targets, known, stepped, observer, holograms, checkpoint, links);
+  DescentStart start;
+  if (!last.empty()) {
+    start = go_on_from(last, params, holograms);
+    stepped = params_of_next(params);
+  } else if (params.step == 0) {
+    stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params), frames);
+  }
+  descend(targets, known, stepped, observer, holograms, checkpoint, links, start);
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);
   return holograms;

@@ -15,6 +15,9 @@ namespace {
 
 constexpr double not_known = -1;  // the error of a plane
 
+// Where the last part of the schedule begins, and the whole one of a near start (DescentStart).
+constexpr double late_from = 0.75;
+
 }  // namespace
 
 WavelengthDescent::WavelengthDescent(const Slm& slm, const Hologram& hologram, double wavelength,
@@ -137,6 +140,7 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
       grid_(setup.slm.grid),
       iterations_(iterations_of(setup.params)),
       levels_(frames.front().levels),
+      first_progress_(setup.start.is_near ? late_from : 0),
       arrays_of_state_(arrays_of_state(frames)),
       arrays_(std::move(arrays)),
       wavelengths_(wavelength_descents(targets, setup, frames.front(), *arrays_)),
@@ -204,8 +208,9 @@ void FrameDescent::update() {
 
 // How far the schedule is after some updates, from 0 to 1.
 double FrameDescent::progress(int updates) const {
-  if (ending_from_ < 0) return double(updates) / iterations_;
-  const double from = double(ending_from_) / iterations_;
+  const auto planned = [&](int done) { return first_progress_ + (1 - first_progress_) * done / iterations_; };
+  if (ending_from_ < 0) return planned(updates);
+  const double from = planned(ending_from_);
   return from + (1 - from) * (updates - ending_from_) / (last_update_ - ending_from_);
 }
 
@@ -219,7 +224,7 @@ float FrameDescent::hardness(int updates) const {
 
 // Most of the schedule need neither know crosstalk exactly nor take more than one sample of each pixel of smooth targets: its
 // last part corrects what that spoils.
-bool FrameDescent::is_late(int updates) const { return progress(updates) >= 0.75; }
+bool FrameDescent::is_late(int updates) const { return progress(updates) >= late_from; }
 
 // Whether losses from `first` to `last` cannot be compared.
 bool FrameDescent::has_change(int first, int last) const {
@@ -251,10 +256,10 @@ void FrameDescent::end_if_little_is_gained() {
   last_update_ = now + window;
 }
 
-// A step of Adam (Kingma and Ba, 2015), which falls to 0 over the schedule as a half cosine.
+// A step of Adam (Kingma and Ba, 2015), which falls from its first size to 0 over the schedule as a half cosine.
 void FrameDescent::step() {
   constexpr double beta1 = 0.5, beta2 = 0.99;  // the usual β₁ of 0.9 needs more iterations (encoders.md, "Steps")
-  const double fall = (1 + std::cos(pi * progress(updates()))) / 2, t = updates() + 1;
+  const double fall = (1 + std::cos(pi * progress(updates()))) / (1 + std::cos(pi * first_progress_)), t = updates() + 1;
   const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
   const auto adam = [&](double whole_step) {
     return AdamStep{float(beta1), float(beta2), float(whole_step * fall * correction), 1e-20F};

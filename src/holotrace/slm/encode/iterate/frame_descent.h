@@ -145,10 +145,19 @@ class PlaneSchedule {
 
 using WavelengthDescents = std::vector<std::unique_ptr<WavelengthDescent>>;
 
+/// How the frames of a descent begin.
+struct DescentStart {
+  /// Whether the levels are near their goal, as those of a film's last picture are. The schedule then is the last part of the one
+  /// from other starts: levels are whole from the first update on.
+  bool is_near = false;
+  size_t fixed = 0;  ///< number of frames, the first ones, that stay as they are: the others are found for the mean light of all
+};
+
 /// A panel and what is asked of its levels.
 struct DescentSetup {
   const Slm& slm;
   const EncodeParams& params;
+  DescentStart start{};
 };
 
 /// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
@@ -208,6 +217,7 @@ class FrameDescent {
   const EncodeParams& params_;
   const Grid grid_;
   const int iterations_, levels_;
+  const double first_progress_;
   const size_t arrays_of_state_;
   std::unique_ptr<FrameArrays> arrays_;
   WavelengthDescents wavelengths_;
