@@ -122,16 +122,17 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
     if (there && *there) return finished(std::move(**there));
   }
   auto here = field.on_processor(observer);
-  check_samples_to_show(*here, observer);
+  ModulusMoments moments = check_samples_to_show(*here, observer);
   bool is_conjugate = params.image == ImageSide::real_image;
   if (begun.factors.size() > 0 || (is_conjugate && params.method == Encoding::error_diffusion)) {
     here = std::make_shared<const Field>(shown_field(*here, begun.factors, is_conjugate));
     is_conjugate = false;
+    moments = modulus_moments(*here);
   }
   if (params.method == Encoding::error_diffusion)
     encode_error_diffusion(*here, begun.levels, params, observer, begun.hologram);
   else
-    encode_anywhere(ShownPixels<Field>{*here, modulus_moments(*here), is_conjugate}, params, begun.levels, observer,
+    encode_anywhere(ShownPixels<Field>{*here, moments, is_conjugate}, params, begun.levels, observer,
                     begun.hologram);
   return finished(std::move(begun.hologram));
 }

@@ -260,7 +260,9 @@ void FrameDescent::end_if_little_is_gained() {
 void FrameDescent::step() {
   constexpr double beta1 = 0.5, beta2 = 0.99;  // the usual β₁ of 0.9 needs more iterations (encoders.md, "Steps")
   const double fall = (1 + std::cos(pi * progress(updates()))) / (1 + std::cos(pi * first_progress_)), t = updates() + 1;
-  const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
+  const bool is_even = first_progress_ > 0;  // the squares have begun with their mean
+  if (is_even && updates() == 0) arrays_->even_squares();
+  const double correction = (is_even ? 1 : std::sqrt(1 - std::pow(beta2, t))) / (1 - std::pow(beta1, t));
   const auto adam = [&](double whole_step) {
     return AdamStep{float(beta1), float(beta2), float(whole_step * fall * correction), 1e-20F};
   };

@@ -116,6 +116,7 @@ class FramesOnDevice {
 
   void clear_slopes();
   void step(const DriveStep& step);
+  void even_squares();
 
   /// The rounded drive of a frame.
   Drive rounded(size_t frame);
