@@ -66,9 +66,6 @@ class FrameArrays {
   virtual void clear_slopes() = 0;
   virtual void step(const DriveStep& step) = 0;
 
-  /// Sets what Adam remembers of the squares of the slopes to their mean over each frame, for the slopes of now.
-  virtual void even_squares() = 0;
-
   /// Frees what only steps need. Neither steps nor state() may follow.
   virtual void end_steps() {}
 

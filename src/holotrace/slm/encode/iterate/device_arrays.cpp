@@ -221,10 +221,6 @@ void DeviceFrames::step(const DriveStep& step) {
   on_all_shares(shares_, [&](size_t i) { shares_[i]->step(step); });
 }
 
-void DeviceFrames::even_squares() {
-  on_all_shares(shares_, [&](size_t i) { shares_[i]->even_squares(); });
-}
-
 void DeviceFrames::write(std::vector<Hologram>& frames) const {
   const auto put = [](const Array2D<float>& from, Array2D<uint16_t>& to) {
     std::copy(from.values.begin(), from.values.end(), to.values.begin());

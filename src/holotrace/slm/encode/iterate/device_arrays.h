@@ -28,7 +28,6 @@ class DeviceFrames : public FrameArrays {
   std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
-  void even_squares() override;
   void write(std::vector<Hologram>& frames) const override;
   std::vector<Array2D<float>> state() override;
   void restore(const std::vector<Array2D<float>>& state) override;

@@ -6,7 +6,6 @@
 #include "holotrace/base/cycles.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/encode/iterate/device_loops.h"
-#include "holotrace/slm/encode/iterate/processor_arrays.h"
 
 namespace holotrace {
 namespace {
@@ -199,21 +198,6 @@ void FramesOnDevice::step(const DriveStep& step) {
     step_drives(device_, step.level, step.levels_per_cycle, step, frame.level);
     if (frame.modulus.drive.bytes() > 0) step_drives(device_, step.modulus, 0, step, frame.modulus);
   });
-}
-
-// The slopes come to the processor, once for a descent.
-void FramesOnDevice::even_squares() {
-  place();
-  for (size_t m = fixed_; m < frames(); ++m) {
-    if (are_streamed_) {
-      kept_[m].square = mean_squares(kept_[m].slope);
-      continue;
-    }
-    KeptFrame there;
-    fetch(frames_[m], &KeptFrame::slope, there);
-    there.square = mean_squares(there.slope);
-    send(there, &KeptFrame::square, frames_[m]);
-  }
 }
 
 Drive FramesOnDevice::rounded(size_t frame) {

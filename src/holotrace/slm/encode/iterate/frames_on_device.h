@@ -116,7 +116,6 @@ class FramesOnDevice {
 
   void clear_slopes();
   void step(const DriveStep& step);
-  void even_squares();
 
   /// The rounded drive of a frame.
   Drive rounded(size_t frame);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -145,19 +144,6 @@ Drive drive_of(const Hologram& hologram) {
   return drive;
 }
 
-Drive mean_squares(const Drive& slopes) {
-  const auto even = [](const Array2D<float>& values) {
-    std::vector<double> of_rows(size_t(values.ny));  // added in order: the same on any number of threads
-    parallel_for(0, values.ny, [&](int64_t j) {
-      const float* const slope = values.row(int(j));
-      for (int i = 0; i < values.nx; ++i) of_rows[size_t(j)] += double(slope[i]) * double(slope[i]);
-    });
-    const double sum = std::accumulate(of_rows.begin(), of_rows.end(), 0.0);
-    return Array2D<float>(values.ny, values.nx, values.size() > 0 ? float(sum / double(values.size())) : 0.0F);
-  };
-  return {even(slopes.level), even(slopes.modulus)};
-}
-
 ProcessorFrames::ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames,
                                  const OtherFrames& others, size_t fixed)
     : slm_(slm), params_(params), others_(others), fixed_(fixed) {
@@ -203,10 +189,6 @@ void ProcessorFrames::step(const DriveStep& step) {
     move(step.level, step.levels_per_cycle, &Drive::level, m);
     if (rounded_[m].modulus.size() > 0) move(step.modulus, 0, &Drive::modulus, m);
   }
-}
-
-void ProcessorFrames::even_squares() {
-  for (size_t m = fixed_; m < frames_.size(); ++m) frames_[m].square = mean_squares(slopes_[m]);
 }
 
 void ProcessorFrames::end_steps() {

@@ -79,9 +79,6 @@ class ProcessorLight : public WavelengthLight {
 /// The levels of a hologram, as a drive.
 Drive drive_of(const Hologram& hologram);
 
-/// The mean square of a frame's slopes, for each of its pixels; of levels and moduli by themselves.
-Drive mean_squares(const Drive& slopes);
-
 /// The frames of a gradient descent in the processor's memory.
 class ProcessorFrames : public FrameArrays {
  public:
@@ -95,7 +92,6 @@ class ProcessorFrames : public FrameArrays {
   std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
-  void even_squares() override;
   void end_steps() override;
   void write(std::vector<Hologram>& frames) const override;
   std::vector<Array2D<float>> state() override;

@@ -160,11 +160,6 @@ void SharedFrames::step(const DriveStep& step) {
   own_->step(step);
 }
 
-void SharedFrames::even_squares() {
-  order(to_message(FrameOrderMessage{.order = FrameOrder::even_squares}));
-  own_->even_squares();
-}
-
 void SharedFrames::end_steps() {
   order(to_message(FrameOrderMessage{.order = FrameOrder::end_steps}));
   own_->end_steps();
@@ -314,8 +309,6 @@ void obey(Member& member, const FrameOrderMessage& message) {
       return arrays.clear_slopes();
     case FrameOrder::step:
       return arrays.step(message.step);
-    case FrameOrder::even_squares:
-      return arrays.even_squares();
     case FrameOrder::end_steps:
       return arrays.end_steps();
     case FrameOrder::leave:

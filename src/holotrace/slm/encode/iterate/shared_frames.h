@@ -40,7 +40,6 @@ class SharedFrames : public FrameArrays {
   std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
   void step(const DriveStep& step) override;
-  void even_squares() override;
   void end_steps() override;
   void write(std::vector<Hologram>& frames) const override;
   std::vector<Array2D<float>> state() override;
@@ -92,7 +91,6 @@ enum class FrameOrder : int32_t {
   add,
   clear_slopes,
   step,
-  even_squares,
   end_steps,
   leave,
   plane_sums,
