@@ -118,8 +118,9 @@ inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, tar
 inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
 
-/// The step of sgd from the holograms of the last picture [rad].
-inline constexpr double sgd_next_step = 0.03;
+/// The step of sgd from the holograms of the last picture, over the relative error of the amplitude that they show [rad]; and the
+/// largest loss, the square of that error, from which it goes on: of a smooth start it is about the same.
+inline constexpr double sgd_next_step = 0.4, sgd_far_loss = 0.07;
 
 /// Pupil and diameter of the eyebox of eyes that are given without them [m].
 inline constexpr double eye_pupil = 3e-3, eye_box = 2e-3;

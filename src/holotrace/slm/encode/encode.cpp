@@ -132,8 +132,7 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   if (params.method == Encoding::error_diffusion)
     encode_error_diffusion(*here, begun.levels, params, observer, begun.hologram);
   else
-    encode_anywhere(ShownPixels<Field>{*here, moments, is_conjugate}, params, begun.levels, observer,
-                    begun.hologram);
+    encode_anywhere(ShownPixels<Field>{*here, moments, is_conjugate}, params, begun.levels, observer, begun.hologram);
   return finished(std::move(begun.hologram));
 }
 
@@ -173,10 +172,12 @@ void check_last(const Hologram& last, const Hologram& next) {
           last.level.nx, last.level.ny);
   require(last.modulation == next.modulation && last.levels == next.levels,
           "expected a last hologram of {} levels of {}, got {} levels of {}; give one that was made for this panel",
-          next.levels, name_of(next.modulation, modulation_names), last.levels, name_of(last.modulation, modulation_names));
-  require(std::abs(last.wavelength / next.wavelength - 1) < 1e-9,
-          "expected a last hologram at {}, got one at {}; give the holograms of each wavelength in the order of the new ones",
-          format_length(next.wavelength), format_length(last.wavelength));
+          next.levels, name_of(next.modulation, modulation_names), last.levels,
+          name_of(last.modulation, modulation_names));
+  require(
+      std::abs(last.wavelength / next.wavelength - 1) < 1e-9,
+      "expected a last hologram at {}, got one at {}; give the holograms of each wavelength in the order of the new ones",
+      format_length(next.wavelength), format_length(last.wavelength));
 }
 
 // Levels of the last picture in place of a start. Rolling frames move up by one place, and the first becomes the last.
@@ -194,12 +195,19 @@ DescentStart go_on_from(const std::vector<Hologram>& last, const EncodeParams& p
   return {.is_near = true, .fixed = params.is_rolling ? frames.size() - 1 : 0};
 }
 
-// The parameters of a descent from the last holograms.
-EncodeParams params_of_next(const EncodeParams& params) {
-  EncodeParams next = params;
-  next.iterations = next_iterations_of(params);
-  if (params.step == 0) next.step = sgd_next_step;
-  return next;
+// Goes on from the last holograms. After a cut it leaves the frames as they were, unless the parameters say how many iterations it
+// should do, or the frames that were shown stay. It is so short that it needs no checkpoint.
+// @return  whether the frames were found
+bool find_next(const TargetSet& targets, const Slm& known, const EncodeParams& params, const Observer& observer,
+               std::vector<Hologram>& frames, const std::vector<Hologram>& last, ProcessLinks* links) {
+  std::vector<Hologram> next = frames;
+  const DescentStart near = go_on_from(last, params, next);
+  const bool must_go_on = params.next_iterations > 0 || params.is_rolling;
+  const bool is_found =
+      descend(targets, known, params, observer, next, {}, links, near, must_go_on ? 1e300 : sgd_far_loss);
+  observer.fact("start", std::string(is_found ? "last" : "fresh"));
+  if (is_found) frames = std::move(next);
+  return is_found;
 }
 
 }  // namespace
@@ -220,19 +228,14 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
   if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
-  if (!last.empty()) {
-    const DescentStart near = go_on_from(last, params, frames);
-    descend({targets}, known, params_of_next(params), observer, frames, checkpoint, nullptr, near);
-    observer.fact("illumination", Fact(frames.front().illumination));
-    observer.progress(1);
-    return frames.front();
-  }
-  const Array2D<std::complex<float>> pattern = start_pattern(start, params, frames.front().modulation);
-  if (params.method == Encoding::sgd) {
-    write_start(pattern, levels, frames.front());
-    descend({targets}, known, params, observer, frames, checkpoint);
+  const auto pattern = [&] { return start_pattern(start, params, frames.front().modulation); };
+  if (params.method == Encoding::sgd || !last.empty()) {
+    if (last.empty() || !find_next({targets}, known, params, observer, frames, last, nullptr)) {
+      write_start(pattern(), levels, frames.front());
+      descend({targets}, known, params, observer, frames, checkpoint);
+    }
   } else {
-    const auto [found, device] = project_in_turn(targets, pattern, known, params, observer);
+    const auto [found, device] = project_in_turn(targets, pattern(), known, params, observer);
     write_phase_levels(found, false, levels, frames.front().level);
     judge(targets, known, params, observer, frames, device);
   }
@@ -251,33 +254,31 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   std::vector<Hologram> holograms;
   const Slm known = known_panel(slm, params);
   const bool has_dark_targets = is_dark(targets, wavelength, observer);
-  std::optional<FrameStart> kind;  // none for dark targets
-  if (!has_dark_targets && last.empty()) kind = start_of_frames(targets, wavelength, frames, slm, params);
   for (int frame = 0; frame < frames; ++frame) {
     Field blank(slm.grid, wavelength);
     blank.label.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(blank, slm, params, frame == 0 ? observer : Observer{}));
-    const PhaseLevels levels(known, holograms.back().levels, wavelength);
-    if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
-      tell_phase_range(known, levels.range(), wavelength, observer);
-    if (kind)
-      write_frame_start(*kind, targets, {frame, frames}, slm, params, levels, holograms.back());
-    else if (has_dark_targets)
-      write_start(start_pattern(blank, params, holograms.back().modulation), levels, holograms.back());
   }
+  const PhaseLevels levels(known, holograms.front().levels, wavelength);
+  if (holograms.front().modulation != Modulation::amplitude)
+    tell_phase_range(known, levels.range(), wavelength, observer);
   if (has_dark_targets) {
-    for (Hologram& hologram : holograms) hologram.illumination = 0;
+    for (Hologram& hologram : holograms) {
+      Field blank(slm.grid, wavelength);
+      blank.label = hologram.label;
+      write_start(start_pattern(blank, params, hologram.modulation), levels, hologram);
+      hologram.illumination = 0;
+    }
     return holograms;
   }
-  EncodeParams stepped = params;
-  DescentStart start;
-  if (!last.empty()) {
-    start = go_on_from(last, params, holograms);
-    stepped = params_of_next(params);
-  } else if (params.step == 0) {
-    stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params), frames);
+  if (last.empty() || !find_next(targets, known, params, observer, holograms, last, links)) {
+    const FrameStart kind = start_of_frames(targets, wavelength, frames, slm, params);
+    for (int frame = 0; frame < frames; ++frame)
+      write_frame_start(kind, targets, {frame, frames}, slm, params, levels, holograms[size_t(frame)]);
+    EncodeParams stepped = params;
+    if (params.step == 0) stepped.step = step_from(kind, targets, slm.grid, iterations_of(params), frames);
+    descend(targets, known, stepped, observer, holograms, checkpoint, links);
   }
-  descend(targets, known, stepped, observer, holograms, checkpoint, links, start);
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);
   return holograms;

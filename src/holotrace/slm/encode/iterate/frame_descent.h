@@ -148,9 +148,11 @@ using WavelengthDescents = std::vector<std::unique_ptr<WavelengthDescent>>;
 /// How the frames of a descent begin.
 struct DescentStart {
   /// Whether the levels are near their goal, as those of a film's last picture are. The schedule then is the last part of the one
-  /// from other starts: levels are whole from the first update on.
+  /// from other starts: levels are whole from the first update on. Its length and its first step follow from the loss of these
+  /// levels, unless params.next_iterations and params.step give them.
   bool is_near = false;
-  size_t fixed = 0;  ///< number of frames, the first ones, that stay as they are: the others are found for the mean light of all
+  size_t fixed =
+      0;  ///< number of frames, the first ones, that stay as they are: the others are found for the mean light of all
 };
 
 /// A panel and what is asked of its levels.
@@ -208,6 +210,8 @@ class FrameDescent {
   bool is_late(int updates) const;
   bool has_change(int first, int last) const;
   PanelDetail detail(int updates) const;
+  void set_step(double radians);
+  void fit_to_first_loss();
   void step();
   void end_if_little_is_gained();
   template <class Work>
@@ -216,7 +220,8 @@ class FrameDescent {
   const TargetSet& targets_;
   const EncodeParams& params_;
   const Grid grid_;
-  const int iterations_, levels_;
+  int iterations_;
+  const int levels_;
   const double first_progress_;
   const size_t arrays_of_state_;
   std::unique_ptr<FrameArrays> arrays_;

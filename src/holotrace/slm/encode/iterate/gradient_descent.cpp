@@ -98,6 +98,7 @@ class KeptDescent {
 struct Listeners {
   const Observer& observer;
   const Checkpoint& checkpoint;
+  double most_loss;  // of the first levels
 };
 
 // The processes of a descent, and the device that they have chosen.
@@ -125,9 +126,9 @@ void judge_on(const IterationDevices& place, const TargetSet& targets, const Des
   tell_quality(colours, observer, frames);
 }
 
-void descend_on(const IterationDevices& place, const Processes& processes, const TargetSet& targets,
+bool descend_on(const IterationDevices& place, const Processes& processes, const TargetSet& targets,
                 const DescentSetup& setup, std::vector<Hologram>& frames, const Listeners& listeners) {
-  const auto& [observer, checkpoint] = listeners;
+  const auto& [observer, checkpoint, most_loss] = listeners;
   const int iterations = iterations_of(setup.params);
   SharedFrames* shared = nullptr;
   const int here = processes.links ? std::min(processes.links->here().count, int(frames.size())) : 1;
@@ -151,6 +152,10 @@ void descend_on(const IterationDevices& place, const Processes& processes, const
     observer.progress(double(descent.updates()) / descent.last_update());  // time left is from here
   while (descent.updates() < descent.last_update()) {
     place.compute([&] { descent.update(); });
+    if (descent.losses().front() > most_loss) {
+      if (shared) shared->finish();
+      return false;
+    }
     observer.status(fmt::format("loss {:.1f} dB", decibels(descent.losses().back())));
     observer.progress(double(descent.updates()) / descent.last_update());
     if (kept) kept->after_update(iterations);
@@ -170,15 +175,16 @@ void descend_on(const IterationDevices& place, const Processes& processes, const
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
   tell_quality(descent.wavelengths(), observer, frames);
+  return true;
 }
 
 }  // namespace
 
-void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
+bool descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
              std::vector<Hologram>& frames, const Checkpoint& checkpoint, ProcessLinks* links,
-             const DescentStart& start) {
+             const DescentStart& start, double most_loss) {
   const DescentSetup setup{slm, params, start};
-  const Listeners listeners{observer, checkpoint};
+  const Listeners listeners{observer, checkpoint, most_loss};
   if (links && links->count() > 1 && frames.size() > 1) {
     const size_t own = ranges_of_frames(frames.size(), links->count()).front().count();
     const DeviceChoice device = common_device(planes_to_reach(targets), setup, {frames.size(), own}, links->here());
@@ -186,8 +192,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
     return descend_on(place, {links, device}, targets, setup, frames, listeners);
   }
   const std::vector<Device*> devices = devices_for_descent(planes_to_reach(targets), setup, frames.size());
-  on_devices_or_processor(devices, params.device, observer, [&](const IterationDevices& place) {
-    descend_on(place, {}, targets, setup, frames, listeners);
+  return on_devices_or_processor(devices, params.device, observer, [&](const IterationDevices& place) {
+    return descend_on(place, {}, targets, setup, frames, listeners);
   });
 }
 
@@ -207,8 +213,8 @@ IterationState descent_job(const TargetSet& targets, const DescentSetup& setup, 
   panel.own_effects.clear();
   BasicWriter<FnvHash> hash;
   hash(std::string(HOLOTRACE_VERSION), schedule, panel, iterations_of(params), stop_width(params),
-       params.step > 0 ? params.step : sgd_step, params.least_gain, params.planes_per_update, params.subpixels,
-       params.seed, start.is_near, uint64_t(start.fixed), targets.planes, targets.views);
+       params.step > 0 || start.is_near ? params.step : sgd_step, params.least_gain, params.planes_per_update,
+       params.subpixels, params.seed, start.is_near, uint64_t(start.fixed), targets.planes, targets.views);
   if (targets.draw_views)
     for (const double wavelength : wavelengths_of(targets)) hash(targets.draw_views(0, wavelength));
   for (const Hologram& frame : frames)
