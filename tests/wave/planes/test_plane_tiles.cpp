@@ -124,12 +124,15 @@ TEST(PlaneTiles, AreThoseOfTheSumOneByOneOnEveryInstructionSet) {
         const PlanesTables tables(plan, green, grid.pitch);
         const SortedWaves sorted = sort_waves(waves, plan, green, grid.pitch);
         const double expected = expected_error(waves, plan, grid);
+        // Of the second tiles the grid has only the edges, where a coarser grid errs more than in the mean of a tile.
+        const double most = oversampling == 2 ? 1.3 : 1.5;
         PlanesWorkspace workspace;
         FieldDouble best;
         for (const std::string& name : instruction_sets()) {
           const OnInstructionSet on(name);
           const FieldDouble field = sum_by_plan(sorted, tables, grid, workspace);
-          EXPECT_LT(relative_error(field, exact), 1.3 * expected) << name << " " << width << " " << nodes << has_strips;
+          EXPECT_LT(relative_error(field, exact), most * expected)
+              << name << " " << width << " " << nodes << has_strips;
           if (best.samples.values.empty()) best = field;
           EXPECT_LT(relative_error(field, best), 2e-5) << name << " " << width << " " << nodes << has_strips;
         }
