@@ -2,9 +2,33 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "holotrace/base/message_text.h"
+#include "holotrace/io/files/file.h"
+#include "holotrace/io/run_folder.h"
 
 namespace holotrace {
+
+void add_last(CLI::App& command, std::string& path) {
+  command
+      .add_option("--last", path,
+                  "sgd, films: holograms of the last picture (NAME, NAME_2, …), or the folder of its run. The iterations go "
+                  "on from their levels, with small steps, and need a twentieth of the number (--next-iterations)")
+      ->type_name("HOLOGRAM.png|DIR");
+}
+
+std::vector<Hologram> load_last(const std::string& path) {
+  if (path.empty()) return {};
+  std::vector<std::string> paths{path};
+  if (std::filesystem::is_directory(path))
+    paths = list_complete_run(path).holograms;
+  else if (const std::vector<std::string> series = numbered_series(path); !series.empty())
+    paths = series;
+  std::vector<Hologram> holograms;
+  for (const std::string& one : paths) holograms.push_back(load_hologram(one));
+  return holograms;
+}
 
 void print_facts(const Json& facts, bool is_json) {
   if (is_json) {

@@ -97,6 +97,13 @@ inline std::optional<double> parse_scene_time(const std::string& text) {
   return parse_time_flag("--time", text);
 }
 
+/// Adds `--last`.
+void add_last(CLI::App& command, std::string& path);
+
+/// The holograms of `--last`: those of a run's folder, or NAME, NAME_2, …; none for "".
+/// @throws Error  as list_complete_run and load_hologram do
+std::vector<Hologram> load_last(const std::string& path);
+
 /// Extensions of the formats for fields; EXR has single precision only.
 inline std::vector<std::string> field_extensions(bool is_double) {
   return is_double ? std::vector<std::string>{".npy", ".h5"} : std::vector<std::string>{".npy", ".h5", ".exr"};

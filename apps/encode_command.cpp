@@ -78,7 +78,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command =
       app.add_subcommand("encode", "hologram (levels of an SLM) from a field, a picture or a focal stack");
   struct Options {
-    std::string input, output, slm, wavelength, report, plot, checkpoint;
+    std::string input, output, slm, wavelength, report, plot, checkpoint, last;
     int frames = 1;
     Flags flags;
     PanelImageFlags panel;
@@ -107,6 +107,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   command->add_option("--plot", o->plot, "iterations: chart of the error after each iteration")
       ->type_name("FILE.png|svg");
   Checkpoints::add_flag(*command, o->checkpoint);
+  add_last(*command, o->last);
   o->flags.add(*command, EncodeParams());
   o->panel.add(*command);
   command->callback([o, &global] {
@@ -152,6 +153,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)
                     : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
                                : job_of_picture_file(o->input, slm, wavelengths, params, console);
+    job.last = load_last(o->last);
     job.checkpoint_of = [&](size_t i) { return checkpoints.of(i); };
     RankLinks links(*global.ranks, global.threads);
     job.links = &links;

@@ -62,7 +62,7 @@ void print_comparison(const JobEstimate& estimate, const std::vector<StageCompar
 void add_run(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("run", "whole pipeline: from a scene to the camera's view of its holograms");
   struct Options {
-    std::string scene, folder, checkpoint;
+    std::string scene, folder, checkpoint, last;
     bool is_estimated = false;
     RunFlags flags;
   };
@@ -81,6 +81,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   command->add_flag("--estimate", o->is_estimated,
                     "estimate the job first, and compare the prediction with the outcome");
   Checkpoints::add_flag(*command, o->checkpoint);
+  add_last(*command, o->last);
   o->flags.add(*command, true);
   shorten_help(*command,
                {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
@@ -94,6 +95,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
         !checkpoints.are_kept() || aims_at_scene(job),
         "expected --checkpoint only with the method sgd and the target render or light-field; give [encode] target, "
         "or leave out --checkpoint");
+    const std::vector<Hologram> last = load_last(o->last);  // before its folder is written again
     if (job.camera.sweep != Sweep::none) check_animation(sweep_paths(run_view, 0, job.camera.sweep_format).front());
     make_folder(o->folder);
     const FolderLock lock(o->folder);
@@ -104,7 +106,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     console.keep_progress_in(o->folder);
     RankLinks links(*global.ranks, global.threads);
     RunResults results = run(
-        job, console.stages(), [&](size_t i) { return checkpoints.of(i); }, &links);
+        job, console.stages(), [&](size_t i) { return checkpoints.of(i); }, &links, nullptr, last);
     global.ranks->is_job_running = false;
     console.finish();
     if (estimate) print_comparison(*estimate, compare_with_run(*estimate, results.report));

@@ -22,32 +22,33 @@ EncodeParams encode_params(const nb::dict& given, Encoding method = Encoding::ph
 // The stages report to the watch; its facts are those of the last one.
 template <class MakeJob>
 std::vector<Hologram> encode_with(const EncodeParams& params, const Slm& slm, int frames, Watch& watch,
-                                  const MakeJob& make_job) {
+                                  const std::vector<Hologram>& last, const MakeJob& make_job) {
   return watch.run("encode", [&](const Observer& observer) {
     Report report;
-    const EncodeJob job = make_job(observer);
+    EncodeJob job = make_job(observer);
+    job.last = last;
     return encode_job(job, frames, slm, params, report,
                       [&](const std::string& stage) { return watch.observer(stage); });
   });
 }
 
-std::vector<Hologram> encode_fields(const std::vector<Field>& fields, const Slm* panel, const nb::dict& given,
-                                    Watch& watch) {
+std::vector<Hologram> encode_fields(const std::vector<Field>& fields, const Slm* panel,
+                                    const std::vector<Hologram>& last, const nb::dict& given, Watch& watch) {
   const EncodeParams params = encode_params(given);
   require(!fields.empty(), "expected one field or more to encode, got none");
   const Slm slm = panel ? *panel : panel_for(fields.front().grid, params.method);
   std::vector<Hologram> holograms =
-      encode_with(params, slm, 1, watch, [&](const Observer&) { return job_of_fields(fields, params); });
+      encode_with(params, slm, 1, watch, last, [&](const Observer&) { return job_of_fields(fields, params); });
   if (!panel)
     for (Hologram& hologram : holograms) hologram.slm.reset();  // the panel was made up from the field's grid
   return holograms;
 }
 
 std::vector<Hologram> encode_picture(const Image& picture, const Slm& slm, nb::handle wavelengths,
-                                     const nb::dict& given, Watch& watch) {
+                                     const std::vector<Hologram>& last, const nb::dict& given, Watch& watch) {
   const EncodeParams params = encode_params(given);
   const std::vector<double> colours = to_wavelengths(wavelengths);
-  return encode_with(params, slm, 1, watch, [&](const Observer& observer) {
+  return encode_with(params, slm, 1, watch, last, [&](const Observer& observer) {
     if (!params.resample) return job_of_picture(picture, slm, colours, params, observer);
     const TargetSize size = size_of_shape(target_size(slm.grid, params), picture.nx, picture.ny);
     EncodeParams of_size = params;
@@ -58,19 +59,19 @@ std::vector<Hologram> encode_picture(const Image& picture, const Slm& slm, nb::h
 }
 
 std::vector<Hologram> encode_stack(const FocalStack& stack, const Slm& slm, nb::handle wavelengths, int frames,
-                                   const nb::dict& given, Watch& watch) {
+                                   const std::vector<Hologram>& last, const nb::dict& given, Watch& watch) {
   const EncodeParams params = encode_params(given, Encoding::sgd);
   const std::vector<double> colours = to_wavelengths(wavelengths);
   check_named(frames, range::at_least(1), Quantity::count, "frames");
-  return encode_with(params, slm, frames, watch,
+  return encode_with(params, slm, frames, watch, last,
                      [&](const Observer&) { return job_of_stack(stack, slm, colours, params); });
 }
 
 }  // namespace
 
 void bind_encode_verbs(nb::module_& module) {
-  module.def("encode_fields", &encode_fields, nb::arg("fields"), nb::arg("slm").none(), nb::arg("params"),
-             nb::arg("watch"));
+  module.def("encode_fields", &encode_fields, nb::arg("fields"), nb::arg("slm").none(), nb::arg("last"),
+             nb::arg("params"), nb::arg("watch"));
   module.def("encode_picture", &encode_picture);
   module.def("encode_stack", &encode_stack);
 }

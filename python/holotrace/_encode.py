@@ -28,14 +28,27 @@ Target = Union[Field, Image, FocalStack, np.ndarray[Any, Any]]
 _WHITES = ("white", "render_white", "sweep_white", "stereo_white")
 
 
+#: The holograms of the last picture of a film, in their order.
+Last = Optional[Union[Hologram, Sequence[Hologram]]]
+
+
+def _cores_of(last: Last) -> List[Any]:
+    if last is None:
+        return []
+    given = [last] if isinstance(last, Noun) or not isinstance(last, Sequence) else last
+    return [a(Hologram, one, "to go on from")._core for one in given]
+
+
 def _encode(
     target: Union[Target, Sequence[Field]],
     slm: Optional[Panel],
     wavelength: Optional[Lengths],
     frames: int,
+    last: Last,
     progress: Progress,
     params: Mapping[str, Any],
 ) -> List[Hologram]:
+    before = _cores_of(last)
     if count(frames, "frames", least=1) != 1 and not isinstance(target, FocalStack):
         raise _core.Error("expected frames only with a focal stack; leave it out")
     if wavelength is not None and is_array(target) and not isinstance(target, Noun):
@@ -47,15 +60,16 @@ def _encode(
                 raise _core.Error(f"a {kind} has no wavelength; give its wavelength")
             device = panel(slm if slm is not None else "pluto")._core
             if isinstance(target, FocalStack):
-                cores = _core.encode_stack(target._core, device, wavelength, frames, dict(params), watch.core)
+                cores = _core.encode_stack(target._core, device, wavelength, frames, before, dict(params), watch.core)
             else:
-                cores = _core.encode_picture(target._core, device, wavelength, dict(params), watch.core)
+                cores = _core.encode_picture(target._core, device, wavelength, before, dict(params), watch.core)
         else:
             if wavelength is not None:
                 raise _core.Error("expected a wavelength only with a picture or a focal stack; a field has its own")
             given = [target] if isinstance(target, Noun) or not isinstance(target, Sequence) else target
             single = [a(Field, one, "to encode").as_single() for one in given]
-            cores = _core.encode_fields(single, None if slm is None else panel(slm)._core, dict(params), watch.core)
+            device = None if slm is None else panel(slm)._core
+            cores = _core.encode_fields(single, device, before, dict(params), watch.core)
     return [Hologram._of(core, watch.facts) for core in cores]
 
 
@@ -65,6 +79,7 @@ def encode(
     slm: Optional[Panel] = None,
     *,
     wavelength: Optional[Lengths] = None,
+    last: Optional[Hologram] = None,
     progress: Progress = None,
     **params: Any,
 ) -> Hologram:
@@ -73,8 +88,11 @@ def encode(
     ``slm`` is the panel; None: 256 levels on the field's grid, or ``"pluto"`` for pictures and stacks. ``wavelength`` is
     that of a picture or a stack, which have none. Pictures are shown at ``target_distances``; an array of linear light is one,
     if a wavelength is given.
+
+    ``last`` is the hologram of the last picture of a film: with ``method="sgd"`` the iterations go on from its levels, and need a
+    twentieth of their number (``next_iterations``).
     """
-    holograms = _encode(target, slm, wavelength, 1, progress, params)
+    holograms = _encode(target, slm, wavelength, 1, last, progress, params)
     if len(holograms) != 1:
         raise _core.Error(f"expected one wavelength for one hologram, got {len(holograms)}; use encode_all")
     return holograms[0]
@@ -87,14 +105,17 @@ def encode_all(
     *,
     wavelength: Optional[Lengths] = None,
     frames: int = 1,
+    last: Last = None,
     progress: Progress = None,
     **params: Any,
 ) -> List[Hologram]:
     """The holograms of several wavelengths or, of a focal stack, of several frames that are found together.
 
-    The order is that in which they are shown: for each frame, each wavelength.
+    The order is that in which they are shown: for each frame, each wavelength. ``last`` has the holograms of the last picture of a
+    film in the same order: see ``encode``. With ``rolling=True`` the first frame of ``last`` is left out, the others stay, and one
+    new frame follows, found for the mean light of all.
     """
-    return _encode(target, slm, wavelength, frames, progress, params)
+    return _encode(target, slm, wavelength, frames, last, progress, params)
 
 
 def _text_of(name: str, value: Any) -> str:
@@ -189,17 +210,18 @@ class Run:
         )
 
 
-def run(scene: Scene, *, progress: Progress = None, **stages: Mapping[str, Any]) -> Run:
+def run(scene: Scene, *, last: Last = None, progress: Progress = None, **stages: Mapping[str, Any]) -> Run:
     """The whole pipeline, from a scene to the camera's view of its holograms.
 
     Keywords are the tables of a scene file, whose values replace the scene's: ``ht.run(scene, trace={"paths": 16},
-    camera={"distances": "300 mm"})``.
+    camera={"distances": "300 mm"})``. ``last`` has the holograms of the last picture of a film, from which those that aim at the
+    scene's light go on: see ``encode_all``.
     """
     job = a(Scene, scene, "to run").copy()
     for stage, params in stages.items():
         job.set(stage, table(params, stage))
     with watching(progress) as watch:
-        made = _core.run(job, watch.core)
+        made = _core.run(job, _cores_of(last), watch.core)
     return _run_of(made, json.loads(made["report"]), made["record"])
 
 

@@ -109,16 +109,24 @@ Slm panel_for(const Grid& grid, Encoding method) {
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
                                  Report& report, const StageObserver& watch) {
   const size_t entries = job.wavelengths.size();
+  require(job.last.empty() || params.method == Encoding::sgd,
+          "expected the method sgd for a start from the last holograms, got \"{}\"; use sgd, or give none",
+          name_of(params.method, encoding_names));
+  require(job.last.empty() || job.last.size() == entries * size_t(frames),
+          "expected {} hologram(s) of the last picture, for {} frame(s) and {} wavelength(s), got {}",
+          entries * size_t(frames), frames, entries, job.last.size());
   std::vector<std::vector<Hologram>> of_entries(entries);
   for (size_t i = 0; i < entries; ++i) {
     const std::string stage = entries == 1 ? "encode" : "encode " + format_length(job.wavelengths[i]);
     of_entries[i] = run_stage(stage, report, watch, [&](const Observer& observer) {
       const Checkpoint kept = job.checkpoint_of ? job.checkpoint_of(i) : Checkpoint{};
-      std::vector<Hologram> found;
+      std::vector<Hologram> found, last;
+      for (size_t k = i; k < job.last.size(); k += entries) last.push_back(job.last[k]);
       if (job.fields.empty())
-        found = encode_frames(job.targets[i], job.wavelengths[i], frames, slm, params, observer, kept, job.links);
+        found = encode_frames(job.targets[i], job.wavelengths[i], frames, slm, params, observer, kept, job.links,
+                              last);
       else if (traits_of(params.method).aims_at_targets)
-        found = {encode_targets(job.targets[i].planes, job.fields[i], slm, params, observer, kept)};
+        found = {encode_targets(job.targets[i].planes, job.fields[i], slm, params, observer, kept, last)};
       else
         found = {encode(job.fields[i], slm, params, observer)};
       if (job.after_entry) job.after_entry(found, observer);

@@ -29,6 +29,7 @@ struct EncodeJob {
   bool is_of_fields = false;        ///< fields of waves, which lose light by the panel's cone
   std::vector<double> distances{};  ///< of the planes that it is made for [m]; none: unknown
   std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
+  std::vector<Hologram> last{};  ///< holograms of the last picture that sgd goes on from: for each frame, one for each entry; or none
   ProcessLinks* links = nullptr;  ///< to other processes that take frames of stacks and scenes; none: this one is alone
   /// Told the frames of each entry at the end of its stage.
   std::function<void(const std::vector<Hologram>&, const Observer&)> after_entry{};
@@ -59,7 +60,7 @@ Slm panel_for(const Grid& grid, Encoding method);
 
 /// The holograms of a job: for each frame, one for each entry. Stages: "encode", or "encode 532 nm" for each of several.
 /// @param frames  focal stacks and scenes: number of holograms of each entry, found together
-/// @throws Error  as encode, encode_targets and encode_frames do
+/// @throws Error  as encode, encode_targets and encode_frames do, and for another number of last holograms
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
                                  Report& report, const StageObserver& watch = {});
 

@@ -255,8 +255,11 @@ std::vector<Sources> points_to_focus(const Job& job) {
 }  // namespace
 
 RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links,
-               const EarlierRun* earlier) {
+               const EarlierRun* earlier, const std::vector<Hologram>& last) {
   const Job job = choose_missing(given);
+  require(last.empty() || aims_at_scene(job),
+          "expected holograms of the last picture only with the method sgd and the target render or light-field; give [encode] "
+          "target, or no such holograms");
   RunResults b;
   b.report.seed = job.trace.seed;
   b.report.chosen = job.chosen;
@@ -301,6 +304,7 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
     EncodeJob encoding = job_of_scene(job, *std::exchange(targets, {}));
     encoding.checkpoint_of = checkpoint_of;
     encoding.links = links;
+    encoding.last = last;
     frames = encode_job(encoding, job.trace.frames, job.slm, job.encode, b.report, watch);
   }
   ShownHolograms showing(job, wavelengths, b, watch);

@@ -77,9 +77,12 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// @param earlier  a run whose holograms of waves are taken again if nothing that they depend on is different, as where only the
 ///               eye moves: the results, and so all bytes, are the same. The report then has the stage "reuse".
 /// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
+/// @param last   holograms of the last picture of a film, in the order of RunResults::holograms, from which those that aim at the
+///               scene's light go on (encode_frames); none: they start afresh
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
 RunResults run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
-               ProcessLinks* links = nullptr, const EarlierRun* earlier = nullptr);
+               ProcessLinks* links = nullptr, const EarlierRun* earlier = nullptr,
+               const std::vector<Hologram>& last = {});
 
 /// Checks a job before the first stage of `run`.
 /// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without

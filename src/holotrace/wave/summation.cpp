@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -92,7 +93,8 @@ PlanesCost planes_cost_on_device(Device& device, TileShape shape) {
             return (work.multiply_adds + pixels * multiply_adds_per_wave_pixel(shape)) / rates.multiply_adds +
                    work.moved_bytes / rates.moved_bytes;
           },
-          false};
+          false,
+          {2}};
 }
 
 // Waves, pixels drawn of them (draw_pixels), and the plan that sums them by tiles.
@@ -171,8 +173,8 @@ std::string describe(const PartPlan& plan, const std::vector<Device*>& devices) 
   std::string text;
   if (!plan.far.empty()) {
     const PlanesPlan& p = plan.planes.plan;
-    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} nodes, kernel of {3} cells{4}", p.tile, p.slabs, p.nodes,
-                       p.width, p.is_corrected ? ", corrected" : "");
+    text = fmt::format("tiles of {0}x{0}, {1} slab(s) of {2} nodes, kernel of {3} cells, grids {4:g} times as fine{5}",
+                       p.tile, p.slabs, p.nodes, p.width, p.oversampling, p.is_corrected ? ", corrected" : "");
     if (!devices.empty())
       text += fmt::format("; where edges of boxes cut these, tiles of {}x{}; {}", tiles.shape.columns, tiles.shape.rows,
                           where);
@@ -214,13 +216,17 @@ void run_on_devices(const PartPlan& plan, const PixelBox& bounds, const std::vec
   by_tiles(in_tiles, {make, tables.plan.tile});
 }
 
-// Computes the pixels of `bounds`; their old values are overwritten.
+void clear_pixels(const PixelBox& bounds, Array2D<std::complex<float>>& samples) {
+  parallel_for(bounds.y0, bounds.y1, [&](int64_t j) {
+    std::fill_n(samples.row(int(j)) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
+  });
+}
+
+// Computes the pixels of `bounds`, which are dark, or on devices have any value.
 void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<Device*>& devices, SummedField& sum,
               const Observer& observer) {
   if (!devices.empty()) return run_on_devices(plan, bounds, devices, sum, observer);
   Field& field = sum.field;
-  for (int j = bounds.y0; j < bounds.y1; ++j)
-    std::fill_n(field.samples.row(j) + bounds.x0, bounds.x1 - bounds.x0, std::complex<float>());
   const int parts = !plan.far.empty() + !plan.near.empty();
   if (!plan.far.empty()) {
     const SortedWaves waves = sort_waves(plan.far, plan.planes.plan, field.wavelength, field.grid.pitch);
@@ -241,18 +247,27 @@ void run_plan(const PartPlan& plan, const PixelBox& bounds, const std::vector<De
 double coherence_of(const SummedField& sum, const PixelBox& bounds, double energy_of_waves) {
   if (!(energy_of_waves > 0)) return 1;
   if (sum.there) return energy(*sum.there, bounds) / energy_of_waves;
-  double energy = 0;
-  for (int j = bounds.y0; j < bounds.y1; ++j)
-    for (int i = bounds.x0; i < bounds.x1; ++i) energy += std::norm(std::complex<double>(sum.field.samples(j, i)));
-  return energy / energy_of_waves;
+  std::vector<double> of_rows(size_t(bounds.y1 - bounds.y0));  // added in order: the same on any number of threads
+  parallel_for(bounds.y0, bounds.y1, [&](int64_t j) {
+    double& energy = of_rows[size_t(j - bounds.y0)];
+    const std::complex<float>* const u = sum.field.samples.row(int(j));
+    for (int i = bounds.x0; i < bounds.x1; ++i) energy += std::norm(std::complex<double>(u[i]));
+  });
+  return std::accumulate(of_rows.begin(), of_rows.end(), 0.0) / energy_of_waves;
 }
 
 // A dark field where it is to be summed. It stays on a device if that has as much memory again for the sum.
 SummedField dark_field(const Grid& grid, double wavelength, const SumWay& way) {
   const double bytes = double(grid.pixels()) * sizeof(std::complex<float>);
   Device* const device = way.stays ? way.device() : nullptr;
-  if (!device || 2 * bytes > device->memory_left() || bytes > device->free_memory()) return {Field(grid, wavelength)};
   SummedField sum;
+  if (!device || 2 * bytes > device->memory_left() || bytes > device->free_memory()) {
+    sum.field.samples = Array2D<std::complex<float>>::unset(grid.ny, grid.nx);
+    clear_pixels({0, grid.nx, 0, grid.ny}, sum.field.samples);
+    sum.field.grid = grid;
+    sum.field.wavelength = wavelength;
+    return sum;
+  }
   sum.field.grid = grid;
   sum.field.wavelength = wavelength;
   sum.there = make_device_field(*device, sum.field);
@@ -279,6 +294,7 @@ PartSum sum_part(PreparedWaves waves, SumGoal goal, const SumWay& way, bool is_w
             part.predicted_seconds};
     if (!plan.meets_tolerance()) return part;
     part.predicted_seconds += seconds_of(plan, bounds, way);
+    if (round > 0 && !way.device()) clear_pixels(bounds, field.field.samples);
     run_plan(plan, bounds, way.devices, field, observer);
     // A part of a few pixels may be dark by chance. It has little weight in the whole, to which the tolerance applies.
     const double least = is_whole ? 0 : 1 / std::sqrt(double(bounds.pixels()));

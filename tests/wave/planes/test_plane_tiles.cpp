@@ -57,8 +57,9 @@ FieldDouble sum_by_plan(const std::vector<PreparedWave>& waves, const PlanesPlan
 double expected_error(const std::vector<PreparedWave>& waves, const PlanesPlan& plan, const Grid& grid) {
   const SplitEnergies energies =
       measure_planes(draw_pixels(waves), depths_of(waves), grid, {0, grid.nx, 0, grid.ny}, green, plan);
-  return std::hypot(std::sqrt(energies.error / energies.waves),
-                    std::hypot(std::sqrt(2.0) * gridding_error(plan.width), rounding_error_of_planes(plan)));
+  return std::hypot(
+      std::sqrt(energies.error / energies.waves),
+      std::hypot(std::sqrt(2.0) * gridding_error(plan.width, plan.oversampling), rounding_error_of_planes(plan)));
 }
 
 // Corners at all pixels of a tile, one by one: no other shape within the direct sum's has less predicted work for them.
@@ -93,14 +94,15 @@ TEST(PlaneTiles, RoundAsTheirPlanExpects) {
   const std::vector<PreparedWave> waves =
       prepare_waves(make_random_sources(60, grid, green, 1.0_m, 1.05_m, margin), grid);
   const FieldDouble exact = sum_one_by_one(waves, grid);
-  for (const int tile : {60, 120, 240}) {
-    const PlanesPlan plan{tile, 8, 4, tile == 240 ? 4 : 1, true, false};
-    const double expected = expected_error(waves, plan, grid),
-                 error = relative_error(sum_by_plan(waves, plan, grid), exact);
-    // 60 waves of chance positions, and the draws of the expansion's error.
-    EXPECT_LT(error, 1.3 * expected) << tile;
-    EXPECT_GT(error, 0.3 * expected) << tile;
-  }
+  for (const double oversampling : {2.0, 1.5})
+    for (const int tile : {60, 120, 240}) {
+      const PlanesPlan plan{tile, 8, 4, tile == 240 ? 4 : 1, true, false, oversampling};
+      const double expected = expected_error(waves, plan, grid),
+                   error = relative_error(sum_by_plan(waves, plan, grid), exact);
+      // 60 waves of chance positions, and the draws of the expansion's error.
+      EXPECT_LT(error, 1.3 * expected) << tile << " " << oversampling;
+      EXPECT_GT(error, 0.3 * expected) << tile << " " << oversampling;
+    }
 }
 
 // Every width and number of nodes has code of its own, and every instruction set other vectors. Boxes are cut along each axis,
@@ -117,16 +119,20 @@ TEST(PlaneTiles, AreThoseOfTheSumOneByOneOnEveryInstructionSet) {
   for (int width = 2; width <= 8; ++width)
     for (const int nodes : {1, 2, 3, 4, 6, 8})
       for (const bool has_strips : {true, false}) {
-        const PlanesPlan plan{60, width, nodes, 1, nodes % 2 == 0, has_strips};
+        const double oversampling = (width + has_strips) % 2 == 0 ? 2 : 1.5;
+        const PlanesPlan plan{60, width, nodes, 1, nodes % 2 == 0, has_strips, oversampling};
         const PlanesTables tables(plan, green, grid.pitch);
         const SortedWaves sorted = sort_waves(waves, plan, green, grid.pitch);
         const double expected = expected_error(waves, plan, grid);
+        // Of the second tiles the grid has only the edges, where a coarser grid errs more than in the mean of a tile.
+        const double most = oversampling == 2 ? 1.3 : 1.5;
         PlanesWorkspace workspace;
         FieldDouble best;
         for (const std::string& name : instruction_sets()) {
           const OnInstructionSet on(name);
           const FieldDouble field = sum_by_plan(sorted, tables, grid, workspace);
-          EXPECT_LT(relative_error(field, exact), 1.3 * expected) << name << " " << width << " " << nodes << has_strips;
+          EXPECT_LT(relative_error(field, exact), most * expected)
+              << name << " " << width << " " << nodes << has_strips;
           if (best.samples.values.empty()) best = field;
           EXPECT_LT(relative_error(field, best), 2e-5) << name << " " << width << " " << nodes << has_strips;
         }

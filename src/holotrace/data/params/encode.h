@@ -118,6 +118,10 @@ inline constexpr int gerchberg_saxton_iterations = 50, sgd_iterations = 200, tar
 inline constexpr int most_target_planes = 16;
 inline constexpr double sgd_step = 0.4;
 
+/// The step of sgd from the holograms of the last picture, over the relative error of the amplitude that they show [rad]; and the
+/// largest loss, the square of that error, from which it goes on: of a smooth start it is about the same.
+inline constexpr double sgd_next_step = 0.4, sgd_far_loss = 0.07;
+
 /// Pupil and diameter of the eyebox of eyes that are given without them [m].
 inline constexpr double eye_pupil = 3e-3, eye_box = 2e-3;
 
@@ -159,6 +163,8 @@ struct EncodeParams {
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
+  int next_iterations = 0;                  ///< sgd from the holograms of the last picture: their number; 0: a twentieth
+  bool is_rolling = false;                  ///< sgd from the frames of the last picture: find one new frame
   double least_gain = 0;                    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
   double step = 0;  ///< sgd: step of the phase in the first iterations [rad]; 0: as the start and the frames need
   int planes_per_update = 1;             ///< sgd: number of target planes in each iteration, in turn; 0: all
@@ -175,6 +181,13 @@ inline int iterations_of(const EncodeParams& params) {
   if (!traits_of(params.method).aims_at_targets) return 0;
   if (params.iterations > 0) return params.iterations;
   return params.method == Encoding::sgd ? sgd_iterations : gerchberg_saxton_iterations;
+}
+
+/// Number of iterations of sgd from the holograms of the last picture of a film: as many as asked for, or for 0 a twentieth of those
+/// of a still, and 3 or more.
+inline int next_iterations_of(const EncodeParams& params) {
+  if (params.next_iterations > 0) return params.next_iterations;
+  return std::max(3, (iterations_of(params) + 10) / 20);
 }
 
 /// Half width of the stop of a method as a fraction of 1/2p: the one asked for, or the method's default; 1 means none.
@@ -250,6 +263,12 @@ void describe(Visitor&& v, EncodeParams& p) {
       fmt::format("number of iterations; 0: {} for gerchberg-saxton; {} for sgd, but as quality says for scenes with "
                   "the target render or light-field; {} for the field of a target picture",
                   gerchberg_saxton_iterations, sgd_iterations, target_field_iterations)));
+  v(count("next_iterations", p.next_iterations, range::not_negative,
+          "sgd, films: number of iterations from the holograms of the last picture; 0: a twentieth of iterations, 3 or "
+          "more"));
+  v(flag("rolling", p.is_rolling,
+         "sgd, films: one new frame that takes the place of the first of the last picture, found for the mean light of "
+         "itself and the others; false: all frames are new"));
   v(number("least_gain", p.least_gain, range::not_negative,
            "sgd: stopping criterion in dB: the iterations end early if the mean loss falls by less than this from one "
            "window of updates to the next; a window has 10 updates or more; 0: no early end"));

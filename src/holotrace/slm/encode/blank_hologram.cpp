@@ -1,8 +1,6 @@
 #include "holotrace/slm/encode/blank_hologram.h"
 
 #include <algorithm>
-#include <atomic>
-#include <bit>
 #include <cmath>
 
 #include "holotrace/base/error.h"
@@ -10,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/params/parameter.h"
+#include "holotrace/slm/encode/kinoform.h"
 #include "holotrace/slm/encode/low_pass.h"
 #include "holotrace/slm/encode/off_axis.h"
 #include "holotrace/slm/panel/checks.h"
@@ -133,31 +132,21 @@ void warn_of_dark_field(const Observer& observer) {
   observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
 }
 
-void check_samples_to_show(const Field& field, const Observer& observer) {
+ModulusMoments check_samples_to_show(const Field& field, const Observer& observer) {
   require(field.samples.nx == field.grid.nx && field.samples.ny == field.grid.ny,
           "expected {} × {} samples, as the field's grid says, got {} × {}", field.grid.nx, field.grid.ny,
           field.samples.nx, field.samples.ny);
-  std::atomic<bool> all_finite{true};
-  parallel_for(0, field.grid.ny, [&](int64_t j) {
-    const std::complex<float>* u = field.samples.row(int(j));
-    // A number that is not finite has all bits of its exponent set. This loop is done in vector lanes.
-    constexpr uint32_t exponent = 0x7f800000;
-    const float* parts = reinterpret_cast<const float*>(u);
-    bool is_finite = true;
-    for (int i = 0; i < 2 * field.grid.nx; ++i) is_finite &= (std::bit_cast<uint32_t>(parts[i]) & exponent) != exponent;
-    if (!is_finite) all_finite = false;
-  });
-  if (all_finite) {
-    const auto is_dark = [](const std::complex<float>& u) { return u == std::complex<float>(); };
-    if (std::all_of(field.samples.values.begin(), field.samples.values.end(), is_dark)) warn_of_dark_field(observer);
-    return;
-  }
+  // Squares of floats neither overflow nor vanish in doubles: the sum is finite if all samples are, and 0 if all are 0.
+  const ModulusMoments moments = modulus_moments(field);
+  if (moments.sum == 0) warn_of_dark_field(observer);
+  if (std::isfinite(moments.sum)) return moments;
   for (int j = 0; j < field.grid.ny; ++j)
     for (int i = 0; i < field.grid.nx; ++i) {
       const std::complex<float> u = field.samples(j, i);
       require(std::isfinite(u.real()) && std::isfinite(u.imag()),
               "expected finite samples in the field, got {}{:+}i at row {}, column {}", u.real(), u.imag(), j, i);
     }
+  return moments;
 }
 
 void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer) {

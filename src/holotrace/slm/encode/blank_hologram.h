@@ -8,6 +8,7 @@
 #include "holotrace/data/hologram.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/slm/encode/sample_loops.h"
 
 // What every encoder begins with: checks of its input, and a hologram without levels.
 
@@ -33,8 +34,9 @@ void check_encoding(const Slm& slm, const EncodeParams& params, const Observer& 
 void check_field_to_show(const Field& field, const Slm& slm, const Observer& observer);
 
 /// The parts of that check: all but the samples; the samples; and the warning of a dark field.
+/// @return  the moments of the samples, which tell whether all are finite
 void check_head_to_show(const Field& head, const Slm& slm, const Observer& observer);
-void check_samples_to_show(const Field& field, const Observer& observer);
+ModulusMoments check_samples_to_show(const Field& field, const Observer& observer);
 void warn_of_dark_field(const Observer& observer);
 
 /// A hologram of a field, all levels 0, with all that later stages need to know of it.

@@ -122,17 +122,17 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
     if (there && *there) return finished(std::move(**there));
   }
   auto here = field.on_processor(observer);
-  check_samples_to_show(*here, observer);
+  ModulusMoments moments = check_samples_to_show(*here, observer);
   bool is_conjugate = params.image == ImageSide::real_image;
   if (begun.factors.size() > 0 || (is_conjugate && params.method == Encoding::error_diffusion)) {
     here = std::make_shared<const Field>(shown_field(*here, begun.factors, is_conjugate));
     is_conjugate = false;
+    moments = modulus_moments(*here);
   }
   if (params.method == Encoding::error_diffusion)
     encode_error_diffusion(*here, begun.levels, params, observer, begun.hologram);
   else
-    encode_anywhere(ShownPixels<Field>{*here, modulus_moments(*here), is_conjugate}, params, begun.levels, observer,
-                    begun.hologram);
+    encode_anywhere(ShownPixels<Field>{*here, moments, is_conjugate}, params, begun.levels, observer, begun.hologram);
   return finished(std::move(begun.hologram));
 }
 
@@ -166,10 +166,55 @@ bool is_dark(const TargetSet& targets, double wavelength, const Observer& observ
   return true;
 }
 
+void check_last(const Hologram& last, const Hologram& next) {
+  require(last.level.nx == next.level.nx && last.level.ny == next.level.ny,
+          "expected a last hologram of {} × {} pixels, as the panel has, got {} × {}", next.level.nx, next.level.ny,
+          last.level.nx, last.level.ny);
+  require(last.modulation == next.modulation && last.levels == next.levels,
+          "expected a last hologram of {} levels of {}, got {} levels of {}; give one that was made for this panel",
+          next.levels, name_of(next.modulation, modulation_names), last.levels,
+          name_of(last.modulation, modulation_names));
+  require(
+      std::abs(last.wavelength / next.wavelength - 1) < 1e-9,
+      "expected a last hologram at {}, got one at {}; give the holograms of each wavelength in the order of the new ones",
+      format_length(next.wavelength), format_length(last.wavelength));
+}
+
+// Levels of the last picture in place of a start. Rolling frames move up by one place, and the first becomes the last.
+DescentStart go_on_from(const std::vector<Hologram>& last, const EncodeParams& params, std::vector<Hologram>& frames) {
+  require(params.method == Encoding::sgd, "expected the method sgd for a start from the last holograms, got \"{}\"",
+          name_of(params.method, encoding_names));
+  require(last.size() == frames.size(), "expected {} frame(s) of the last picture, as many as the new one has, got {}",
+          frames.size(), last.size());
+  for (size_t m = 0; m < frames.size(); ++m) {
+    const Hologram& from = last[params.is_rolling ? (m + 1) % last.size() : m];
+    check_last(from, frames[m]);
+    frames[m].level = from.level;
+    frames[m].modulus_level = from.modulus_level;
+  }
+  return {.is_near = true, .fixed = params.is_rolling ? frames.size() - 1 : 0};
+}
+
+// Goes on from the last holograms. After a cut it leaves the frames as they were, unless the parameters say how many iterations it
+// should do, or the frames that were shown stay. It is so short that it needs no checkpoint.
+// @return  whether the frames were found
+bool find_next(const TargetSet& targets, const Slm& known, const EncodeParams& params, const Observer& observer,
+               std::vector<Hologram>& frames, const std::vector<Hologram>& last, ProcessLinks* links) {
+  std::vector<Hologram> next = frames;
+  const DescentStart near = go_on_from(last, params, next);
+  const bool must_go_on = params.next_iterations > 0 || params.is_rolling;
+  const bool is_found =
+      descend(targets, known, params, observer, next, {}, links, near, must_go_on ? 1e300 : sgd_far_loss);
+  observer.fact("start", std::string(is_found ? "last" : "fresh"));
+  if (is_found) frames = std::move(next);
+  return is_found;
+}
+
 }  // namespace
 
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
-                        const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint) {
+                        const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint,
+                        const std::vector<Hologram>& last) {
   require(!checkpoint || params.method == Encoding::sgd, "expected the method sgd for a checkpoint, got \"{}\"",
           name_of(params.method, encoding_names));
   check_iterations({targets}, slm, params, observer);
@@ -183,12 +228,14 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
   if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
-  const Array2D<std::complex<float>> pattern = start_pattern(start, params, frames.front().modulation);
-  if (params.method == Encoding::sgd) {
-    write_start(pattern, levels, frames.front());
-    descend({targets}, known, params, observer, frames, checkpoint);
+  const auto pattern = [&] { return start_pattern(start, params, frames.front().modulation); };
+  if (params.method == Encoding::sgd || !last.empty()) {
+    if (last.empty() || !find_next({targets}, known, params, observer, frames, last, nullptr)) {
+      write_start(pattern(), levels, frames.front());
+      descend({targets}, known, params, observer, frames, checkpoint);
+    }
   } else {
-    const auto [found, device] = project_in_turn(targets, pattern, known, params, observer);
+    const auto [found, device] = project_in_turn(targets, pattern(), known, params, observer);
     write_phase_levels(found, false, levels, frames.front().level);
     judge(targets, known, params, observer, frames, device);
   }
@@ -199,7 +246,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                                     const EncodeParams& params, const Observer& observer, const Checkpoint& checkpoint,
-                                    ProcessLinks* links) {
+                                    ProcessLinks* links, const std::vector<Hologram>& last) {
   check_iterations(targets, slm, params, observer);
   require(params.method == Encoding::sgd, "expected the method sgd for frames that are found together, got \"{}\"",
           name_of(params.method, encoding_names));
@@ -207,27 +254,31 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
   std::vector<Hologram> holograms;
   const Slm known = known_panel(slm, params);
   const bool has_dark_targets = is_dark(targets, wavelength, observer);
-  std::optional<FrameStart> kind;  // none for dark targets
-  if (!has_dark_targets) kind = start_of_frames(targets, wavelength, frames, slm, params);
   for (int frame = 0; frame < frames; ++frame) {
     Field blank(slm.grid, wavelength);
     blank.label.frame = uint32_t(frame);
     holograms.push_back(blank_hologram(blank, slm, params, frame == 0 ? observer : Observer{}));
-    const PhaseLevels levels(known, holograms.back().levels, wavelength);
-    if (frame == 0 && holograms.back().modulation != Modulation::amplitude)
-      tell_phase_range(known, levels.range(), wavelength, observer);
-    if (kind)
-      write_frame_start(*kind, targets, {frame, frames}, slm, params, levels, holograms.back());
-    else
-      write_start(start_pattern(blank, params, holograms.back().modulation), levels, holograms.back());
   }
-  if (!kind) {
-    for (Hologram& hologram : holograms) hologram.illumination = 0;
+  const PhaseLevels levels(known, holograms.front().levels, wavelength);
+  if (holograms.front().modulation != Modulation::amplitude)
+    tell_phase_range(known, levels.range(), wavelength, observer);
+  if (has_dark_targets) {
+    for (Hologram& hologram : holograms) {
+      Field blank(slm.grid, wavelength);
+      blank.label = hologram.label;
+      write_start(start_pattern(blank, params, hologram.modulation), levels, hologram);
+      hologram.illumination = 0;
+    }
     return holograms;
   }
-  EncodeParams stepped = params;
-  if (params.step == 0) stepped.step = step_from(*kind, targets, slm.grid, iterations_of(params), frames);
-  descend(targets, known, stepped, observer, holograms, checkpoint, links);
+  if (last.empty() || !find_next(targets, known, params, observer, holograms, last, links)) {
+    const FrameStart kind = start_of_frames(targets, wavelength, frames, slm, params);
+    for (int frame = 0; frame < frames; ++frame)
+      write_frame_start(kind, targets, {frame, frames}, slm, params, levels, holograms[size_t(frame)]);
+    EncodeParams stepped = params;
+    if (params.step == 0) stepped.step = step_from(kind, targets, slm.grid, iterations_of(params), frames);
+    descend(targets, known, stepped, observer, holograms, checkpoint, links);
+  }
   observer.fact("illumination", Fact(holograms.front().illumination));
   observer.progress(1);
   return holograms;

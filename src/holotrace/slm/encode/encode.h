@@ -67,13 +67,15 @@ Hologram encode(const Field& field, const Slm& slm, const EncodeParams& params, 
 /// @param targets  one or several planes, of one wavelength or (sgd) several, on the panel's pixels
 /// @param start    field at the panel that the iterations start from; its wavelength is the hologram's
 /// @param checkpoint  sgd: keeps the state of the iterations (gradient_descent.h)
+/// @param last     sgd: none, or the hologram of the last picture (encode_frames)
 /// @return         levels; for targets without any light a dark hologram (illumination 0), with a warning
 /// @throws Error   as encode does, for a method without iterations, for targets of another size, and as descend does
 /// Facts: as encode; `iterations`; `psnr_db`, for the amplitudes that the levels show where the weight is not 0, at the
 /// best scale, relative to the largest wanted amplitude; `target_efficiency`, the fraction of the panel's light that
 /// falls there. Curve: `convergence`.
 Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& start, const Slm& slm,
-                        const EncodeParams& params, const Observer& observer = {}, const Checkpoint& checkpoint = {});
+                        const EncodeParams& params, const Observer& observer = {}, const Checkpoint& checkpoint = {},
+                        const std::vector<Hologram>& last = {});
 
 /// Levels of several frames, found together: the mean of their irradiances has the targets' moduli (method sgd).
 ///
@@ -81,11 +83,16 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
 /// @param wavelength  wavelength of the holograms [m]
 /// @param frames      number of frames, 1 or more; frame_start.h says what they start from
 /// @param links       to other processes that take frames (gradient_descent.h)
+/// @param last        none, or the frames of the last picture of a film, as many as `frames`. Iterations then go on from their levels,
+///                    next_iterations_of(params) of them. With params.is_rolling the new frames are the last ones without their first,
+///                    and one that is found for the mean light of all; it starts from the first, whose place it takes
 /// @return            one hologram per frame, all with one illumination
-/// @throws Error      as encode_targets does, and unless the method is sgd
+/// @throws Error      as encode_targets does, unless the method is sgd, and for last frames of another number, size, modulation,
+///                    number of levels or wavelength
 std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength, int frames, const Slm& slm,
                                     const EncodeParams& params, const Observer& observer = {},
-                                    const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr);
+                                    const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr,
+                                    const std::vector<Hologram>& last = {});
 
 /// Fraction of the light in the image of a phase hologram whose levels span only `range` < 1 turns. Phases are even
 /// over the circle; those in the gap are moved to the nearer end:

@@ -159,12 +159,12 @@ SummationWork work_of_corner(const TilePlan& direct, int tile) {
 
 SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const TilePlan& direct) {
   const double nodes = plan.nodes, slots = std::bit_ceil(unsigned(plan.nodes));
-  const double m = 2 * plan.tile, cells = m + 2 * PlanesTables::margin;
+  const double m = plan.transform(), cells = m + 2 * PlanesTables::margin;
   // At most half of a tile's strips need an entry, a quarter on average, and one more partly lit strip.
   const double entries = !plan.has_strips ? 0 : counts.partial * (1.5 + plan.tile / (4.0 * strip_width));
   const double grids = counts.tiles * plan.slabs;
   const double lines_of_grids = cells * slots * (plan.is_corrected ? 3 : 1) +
-                                m / 2 * nodes * (plan.is_corrected ? corrected_terms : 1);  // plane_tile.h
+                                plan.tile * nodes * (plan.is_corrected ? corrected_terms : 1);  // plane_tile.h
   const double strips = std::min(entries, counts.tiles * plan.slabs * 2 * std::ceil(double(plan.tile) / strip_width));
   const double lines = grids * lines_of_grids + strips * nodes * strip_width;  // lines to transform
   constexpr double from_memory = 1.6;  // measured: tiles of a panel take so much longer than the one that is timed
@@ -186,13 +186,16 @@ constexpr int most_slabs = 64, most_nodes = 8;
 constexpr int most_nodes_of_large_tiles = 4;  // whose grids take 8 MB then, with their transforms 21 MB
 
 // Error of the gridding of a plane wave, over both axes.
-double both_axes(int width) {
-  static const auto errors = [] {
-    std::array<double, GriddingKernel::greatest_width + 1> of_width{};
-    for (int w = 2; w <= GriddingKernel::greatest_width; ++w) of_width[size_t(w)] = std::sqrt(2) * gridding_error(w);
+double both_axes(int width, double oversampling) {
+  using Errors = std::array<double, GriddingKernel::greatest_width + 1>;
+  const auto errors = [](double of) {
+    Errors of_width{};
+    for (int w = 2; w <= GriddingKernel::greatest_width; ++w)
+      of_width[size_t(w)] = std::sqrt(2) * gridding_error(w, of);
     return of_width;
-  }();
-  return errors[size_t(width)];
+  };
+  static const Errors of_double_grids = errors(2), of_coarser_grids = errors(1.5);
+  return (oversampling == 2 ? of_double_grids : of_coarser_grids)[size_t(width)];
 }
 
 // Evaluates plans and keeps the fastest that meets the goal, or else the most accurate.
@@ -208,7 +211,7 @@ class PlanSearch {
         goal_(goal.tolerance * std::sqrt(goal.coherence) / 1.25),
         most_seconds_(most_seconds),
         depths_(depths_of(waves)) {
-    while (least_width_ < GriddingKernel::greatest_width && both_axes(least_width_) > goal_) ++least_width_;
+    while (least_width_ < GriddingKernel::greatest_width && both_axes(least_width_, 2) > goal_) ++least_width_;
     // Many plans are compared; an eighth of the pixels gives their errors to a few percent.
     pixels_ = some_of(drawn, 8);
     some_pixels_ = some_of(pixels_, 8);
@@ -232,8 +235,11 @@ class PlanSearch {
   }
 
  private:
-  bool is_worth(const PlanesPlan& plan) const {
-    return seconds(plan) < (best_.meets_tolerance ? best_.seconds : most_seconds_);
+  bool is_worth(PlanesPlan plan) const {
+    return std::any_of(cost_.oversamplings.begin(), cost_.oversamplings.end(), [&](double oversampling) {
+      plan.oversampling = oversampling;
+      return seconds(plan) < (best_.meets_tolerance ? best_.seconds : most_seconds_);
+    });
   }
 
   double seconds(const PlanesPlan& plan) const { return cost_.seconds(plan, counts_); }
@@ -245,7 +251,7 @@ class PlanSearch {
     }
   }
 
-  // Tries the plan with the narrowest kernel that meets the goal. Returns the error without gridding.
+  // Tries the plan with each grid, and with the narrowest kernel that meets the goal there. Returns the error without gridding.
   double offer(PlanesPlan plan) {
     const auto energies_at = [&](const std::vector<DrawnPixel>& pixels) {
       return measure_planes(pixels, depths_, grid_, bounds_, wavelength_, plan);
@@ -253,16 +259,24 @@ class PlanSearch {
     SplitEnergies energies = energies_at(some_pixels_);
     if (energies.relative_error() <= beyond_doubt * goal_ || best_.seconds == 0) energies = energies_at(pixels_);
     const double without_gridding = energies.relative_error();
-    const auto error = [&] {
-      return std::hypot(without_gridding, both_axes(plan.width), rounding_error_of_planes(plan));
-    };
-    while (plan.width < GriddingKernel::greatest_width && error() > goal_) ++plan.width;
-    const PlanesChoice choice{plan, error(), seconds(plan), energies, error() <= goal_};
+    for (const double oversampling : cost_.oversamplings) {
+      PlanesPlan with_grid = plan;
+      with_grid.oversampling = oversampling;
+      const auto error = [&] {
+        return std::hypot(without_gridding, both_axes(with_grid.width, oversampling),
+                          rounding_error_of_planes(with_grid));
+      };
+      while (with_grid.width < GriddingKernel::greatest_width && error() > goal_) ++with_grid.width;
+      take_if_better({with_grid, error(), seconds(with_grid), energies, error() <= goal_});
+    }
+    return without_gridding;
+  }
+
+  void take_if_better(const PlanesChoice& choice) {
     const bool is_better = choice.meets_tolerance != best_.meets_tolerance
                                ? choice.meets_tolerance
                                : (choice.meets_tolerance ? choice.seconds < best_.seconds : choice.error < best_.error);
     if (is_better || best_.seconds == 0) best_ = choice;
-    return without_gridding;
   }
 
   PreparedWaves waves_;

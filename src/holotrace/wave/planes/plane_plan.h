@@ -50,10 +50,12 @@ struct PlanesCounts {
   double tiles = 0;    ///< of the panel
 };
 
-/// Where plans are carried out: the seconds that they are expected to take there, and whether strips are known there.
+/// Where plans are carried out: the seconds that they are expected to take there, whether strips are known there, and the
+/// oversampling of grids.
 struct PlanesCost {
   std::function<double(const PlanesPlan& plan, const PlanesCounts& counts)> seconds;
   bool has_strips = true;
+  std::vector<double> oversamplings{2, 1.5};
 };
 
 /// A plan, the relative L2 error expected of it and the work that it needs.

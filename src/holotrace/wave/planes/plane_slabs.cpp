@@ -77,7 +77,7 @@ SortedWaves sort_waves(PreparedWaves waves, const PlanesPlan& plan, double wavel
   const WaveDepths depths = depths_of(waves);
   const Slabs slabs{depths, plan.slabs};
   // Rows of eight cells of a grid, so that the cells of successive waves stay in the cache.
-  const double cell = wavelength * std::sqrt(depths.nearest * depths.farthest) / (2 * plan.tile * pitch);
+  const double cell = wavelength * std::sqrt(depths.nearest * depths.farthest) / (plan.transform() * pitch);
   struct Key {
     int slab, row;
     double x;

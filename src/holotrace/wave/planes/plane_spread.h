@@ -20,6 +20,10 @@ struct PlanesPlan {
   int slabs = 1;              ///< number of slabs into which the waves are sorted by 1/depth
   bool is_corrected = false;  ///< whether the terms that plane waves neglect are corrected: see summation.h
   bool has_strips = true;     ///< whether strips are used where a box's edge cuts a tile; else direct sums
+  double oversampling = 2;    ///< cells of a grid per pixel of the tile, along an axis: 2 or 1.5
+
+  /// Length of the FFTs.
+  int transform() const { return int(tile * oversampling); }
   bool operator==(const PlanesPlan&) const = default;
 };
 
@@ -39,7 +43,7 @@ struct PlanesModel {
 /// The same with the constants of its kernel, shared by all tiles. They take milliseconds to compute.
 struct PlanesTables : PlanesModel {
   GriddingKernel kernel;
-  int transform;                   ///< length of the FFTs: twice the tile
+  int transform;                   ///< length of the FFTs
   int cells;                       ///< cells of a grid along one axis: the transform's and a margin on either side
   ColumnFft<float> along_columns;  ///< of that length
   std::vector<float> inverse_phi;  ///< 1/φ̂ for each of the tile's pixels along an axis

@@ -277,8 +277,8 @@ PlanesModel::PlanesModel(const PlanesPlan& plan, double wavelength, double pitch
 
 PlanesTables::PlanesTables(const PlanesPlan& plan, double wavelength, double pitch)
     : PlanesModel(plan, wavelength, pitch),
-      kernel(plan.width),
-      transform(2 * plan.tile),
+      kernel(plan.width, plan.oversampling),
+      transform(plan.transform()),
       cells(transform + 2 * margin),
       along_columns(transform) {
   // Columns of a tile and of all its nodes' grids come in vectors of 4.

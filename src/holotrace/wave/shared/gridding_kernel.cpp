@@ -31,14 +31,17 @@ std::vector<double> interpolate(const Function& f, int degree) {
 }
 
 // β/w of the least gridding_error, for widths from 2 on.
-constexpr std::array<double, GriddingKernel::greatest_width - 1> beta_per_width{1.80, 2.12, 2.22, 2.27,
-                                                                                2.30, 2.32, 2.33};
+using BetaPerWidth = std::array<double, GriddingKernel::greatest_width - 1>;
+constexpr BetaPerWidth of_double_grids{1.80, 2.12, 2.22, 2.27, 2.30, 2.32, 2.33},
+    of_coarser_grids{1.47, 1.81, 1.94, 2.00, 2.03, 2.06, 2.07};
 
 }  // namespace
 
-GriddingKernel::GriddingKernel(int width) : kernel_{width, 0}, coefficients_((degree + 1) * greatest_width, 0.0f) {
+GriddingKernel::GriddingKernel(int width, double oversampling)
+    : kernel_{width, 0}, coefficients_((degree + 1) * greatest_width, 0.0f) {
   require(width >= 2 && width <= greatest_width, "expected a kernel 2 to {} cells wide, got {}", greatest_width, width);
-  kernel_.beta = beta_per_width[size_t(width - 2)] * width;
+  require(oversampling == 2 || oversampling == 1.5, "expected a grid 2 or 1.5 times as fine, got {}", oversampling);
+  kernel_.beta = (oversampling == 2 ? of_double_grids : of_coarser_grids)[size_t(width - 2)] * width;
   for (int l = 0; l < width; ++l) {
     const auto powers = interpolate([&](double s) { return value(s + 0.5 - width / 2.0 + l); }, degree_of(width));
     for (int k = 0; k <= degree_of(width); ++k)
@@ -72,12 +75,13 @@ double GriddingKernel::weight(int l, double t) const {
   return sum;
 }
 
-double gridding_error(int width) {
-  const GriddingKernel kernel(width);
+double gridding_error(int width, double oversampling) {
+  const GriddingKernel kernel(width, oversampling);
   constexpr int outputs = 32, fractions = 16;
   double error = 0;
   for (int i = 0; i < outputs; ++i) {
-    const double xi = ((i + 0.5) / outputs - 0.5) / 2, scale = 1 / kernel.transform(xi);  // middle half of the outputs
+    const double xi = ((i + 0.5) / outputs - 0.5) / oversampling;  // the middle of the outputs
+    const double scale = 1 / kernel.transform(xi);
     for (int j = 0; j < fractions; ++j) {
       const double t = (j + 0.5) / fractions;
       std::complex<double> sum = 0;

@@ -149,7 +149,7 @@ TEST(DescentCheckpoint, IsSavedBeforeTheFirstUpdateWhenItIsDueAndAtTheEnd) {
 TEST(DescentCheckpoint, KnowsEverythingThatTheResultDependsOn) {
   const auto job = [](const CheckpointCase& c, int level = 0) {
     std::vector<Hologram> frames(size_t(c.frames), make_hologram(c.slm, c.slm.modulation, [&](int) { return level; }));
-    return descent_job(c.targets(), c.slm, c.params, frames).job;
+    return descent_job(c.targets(), {c.slm, c.params}, frames).job;
   };
   const CheckpointCase plain;
   using Change = std::function<void(CheckpointCase&)>;

@@ -140,7 +140,7 @@ TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
       params.stop = job.params.stop;
       params.subpixels = job.params.subpixels;
       params.planes_per_update = job.params.planes_per_update;
-      return descent_job(one.targets(), job.slm, params, job.frames).job;
+      return descent_job(one.targets(), {job.slm, params}, job.frames).job;
     };
     EXPECT_EQ(fingerprint(heard), fingerprint(sent)) << name;
     const auto [other, is_new] = fingerprints.emplace(fingerprint(sent), name);
@@ -154,10 +154,12 @@ TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
 Gradient gradient_of_shared(const DescentCase& one, int processes, const DeviceChoice& device) {
   ThreadLinks links(processes, optimise_frames_for_first_process);
   SharedFrames frames(links, {one.slm, one.params}, device, one.start(),
-                      [&](const std::vector<Hologram>& own, const OtherFrames& others) -> std::unique_ptr<FrameArrays> {
+                      [&](const std::vector<Hologram>& own, const OtherFrames& others,
+                          size_t fixed) -> std::unique_ptr<FrameArrays> {
                         const auto devices = devices_of_process(device, links.here(), own.size());
-                        if (devices.empty()) return std::make_unique<ProcessorFrames>(one.slm, one.params, own, others);
-                        return std::make_unique<DeviceFrames>(devices, one.slm, one.params, own, others);
+                        if (devices.empty())
+                          return std::make_unique<ProcessorFrames>(one.slm, one.params, own, others, fixed);
+                        return std::make_unique<DeviceFrames>(devices, one.slm, one.params, own, others, fixed);
                       });
   Gradient gradient = gradient_of(one, frames, {});
   frames.finish();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -54,7 +55,7 @@ struct DriveStep {
 };
 
 /// The frames of a gradient descent: of each its drive, what Adam remembers of it, the drive rounded to levels, and the
-/// slope of the loss.
+/// slope of the loss. The first ones may be fixed (DescentStart): their light counts, but they have no slopes and no steps.
 class FrameArrays {
  public:
   virtual ~FrameArrays() = default;
@@ -76,6 +77,22 @@ class FrameArrays {
   virtual std::vector<Array2D<float>> state() = 0;
   virtual void restore(const std::vector<Array2D<float>>& state) = 0;
 };
+
+/// Frames [first, last) of a descent: those of one of several processes or devices.
+struct FrameRange {
+  size_t first = 0, last = 0;
+  size_t count() const { return last - first; }
+  size_t count_below(size_t end) const { return std::clamp(end, first, last) - first; }  ///< of those before `end`
+};
+
+/// The frames of each of several processes or devices: as equal in number as can be. Those after as many as there are frames have
+/// none.
+inline std::vector<FrameRange> ranges_of_frames(size_t frames, size_t shares) {
+  const size_t count = std::min(frames, shares);
+  std::vector<FrameRange> ranges;
+  for (size_t i = 0; i < count; ++i) ranges.push_back({i * frames / count, (i + 1) * frames / count});
+  return ranges;
+}
 
 /// Number of those arrays, which all have the shape of the panel.
 inline size_t arrays_of_state(const std::vector<Hologram>& frames) {

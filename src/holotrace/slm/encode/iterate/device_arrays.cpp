@@ -191,14 +191,13 @@ double DeviceLight::add_gradient_of_views(const ViewTargets& views, double scale
 }  // namespace
 
 DeviceFrames::DeviceFrames(const std::vector<Device*>& devices, const Slm& slm, const EncodeParams& params,
-                           const std::vector<Hologram>& frames, const OtherFrames& others)
+                           const std::vector<Hologram>& frames, const OtherFrames& others, size_t fixed)
     : slm_(slm), params_(params), others_(others) {
-  const size_t shares = std::min(devices.size(), frames.size());
-  for (size_t i = 0; i < shares; ++i) {
+  for (const FrameRange& range : ranges_of_frames(frames.size(), devices.size())) {
     std::vector<Drive> start;
-    for (size_t m = i * frames.size() / shares; m < (i + 1) * frames.size() / shares; ++m)
-      start.push_back(drive_of(frames[m]));
-    shares_.push_back(std::make_unique<FramesOnDevice>(*devices[i], slm.grid, std::move(start)));
+    for (size_t m = range.first; m < range.last; ++m) start.push_back(drive_of(frames[m]));
+    shares_.push_back(std::make_unique<FramesOnDevice>(*devices[shares_.size()], slm.grid, std::move(start),
+                                                       range.count_below(fixed)));
   }
 }
 

@@ -20,9 +20,10 @@ class DeviceFrames : public FrameArrays {
   /// @param slm, params  must outlive this object
   /// @param frames       their levels are the start
   /// @param others       frames of other processes
+  /// @param fixed        number of frames, the first ones, that stay as they are
   /// @throws Error       as Device does, here and in all functions
   DeviceFrames(const std::vector<Device*>& devices, const Slm& slm, const EncodeParams& params,
-               const std::vector<Hologram>& frames, const OtherFrames& others = {});
+               const std::vector<Hologram>& frames, const OtherFrames& others = {}, size_t fixed = 0);
 
   std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;

@@ -15,6 +15,9 @@ namespace {
 
 constexpr double not_known = -1;  // the error of a plane
 
+// Where the last part of the schedule begins, and the whole one of a near start (DescentStart).
+constexpr double late_from = 0.75;
+
 }  // namespace
 
 WavelengthDescent::WavelengthDescent(const Slm& slm, const Hologram& hologram, double wavelength,
@@ -135,8 +138,9 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
     : targets_(targets),
       params_(setup.params),
       grid_(setup.slm.grid),
-      iterations_(iterations_of(setup.params)),
+      iterations_(setup.start.is_near ? next_iterations_of(setup.params) : iterations_of(setup.params)),
       levels_(frames.front().levels),
+      first_progress_(setup.start.is_near ? late_from : 0),
       arrays_of_state_(arrays_of_state(frames)),
       arrays_(std::move(arrays)),
       wavelengths_(wavelength_descents(targets, setup, frames.front(), *arrays_)),
@@ -152,9 +156,20 @@ FrameDescent::FrameDescent(const TargetSet& targets, const DescentSetup& setup, 
   has_single_samples_ = samples_of(samples_of_update(params_.subpixels, 0, is_one_enough), 4).size() == 1;
   const DrivenPanel& panel = wavelengths_.front()->panel();
   levels_per_cycle_ = wavelengths_.size() == 1 ? float(panel.levels_per_cycle()) : 0;
-  const double step = params_.step > 0 ? params_.step : sgd_step;
-  level_step_ = step * panel.levels_per_radian();
-  modulus_step_ = step * (levels_ - 1);
+  set_step(params_.step > 0 ? params_.step : sgd_step);
+}
+
+void FrameDescent::set_step(double radians) {
+  level_step_ = radians * wavelengths_.front()->panel().levels_per_radian();
+  modulus_step_ = radians * (levels_ - 1);
+}
+
+// The schedule from a near start: levels whose error is larger must move farther. Measured in docs/explanation/encoders.md.
+void FrameDescent::fit_to_first_loss() {
+  const double loss = losses_.front();
+  if (params_.step == 0) set_step(sgd_next_step * std::sqrt(loss));
+  const int most = iterations_of(params_), least = std::min(next_iterations_of(params_), most);
+  if (params_.next_iterations == 0) iterations_ = std::clamp(int(std::lround(most * loss / sgd_far_loss)), least, most);
 }
 
 // Updates until each plane of each colour has had its turn.
@@ -197,15 +212,20 @@ void FrameDescent::update() {
     if (targets_.draw_views)
       colour.add_views(targets_.draw_views(updates(), colour.wavelength()), weight / lit_wavelengths_);
   }
-  step();
   losses_.push_back(loss());
+  if (first_progress_ > 0 && updates() == 1) {
+    fit_to_first_loss();
+    last_update_ = iterations_;
+  }
+  step();
   end_if_little_is_gained();
 }
 
 // How far the schedule is after some updates, from 0 to 1.
 double FrameDescent::progress(int updates) const {
-  if (ending_from_ < 0) return double(updates) / iterations_;
-  const double from = double(ending_from_) / iterations_;
+  const auto planned = [&](int done) { return first_progress_ + (1 - first_progress_) * done / iterations_; };
+  if (ending_from_ < 0) return planned(updates);
+  const double from = planned(ending_from_);
   return from + (1 - from) * (updates - ending_from_) / (last_update_ - ending_from_);
 }
 
@@ -219,7 +239,7 @@ float FrameDescent::hardness(int updates) const {
 
 // Most of the schedule need neither know crosstalk exactly nor take more than one sample of each pixel of smooth targets: its
 // last part corrects what that spoils.
-bool FrameDescent::is_late(int updates) const { return progress(updates) >= 0.75; }
+bool FrameDescent::is_late(int updates) const { return progress(updates) >= late_from; }
 
 // Whether losses from `first` to `last` cannot be compared.
 bool FrameDescent::has_change(int first, int last) const {
@@ -251,15 +271,16 @@ void FrameDescent::end_if_little_is_gained() {
   last_update_ = now + window;
 }
 
-// A step of Adam (Kingma and Ba, 2015), which falls to 0 over the schedule as a half cosine.
+// A step of Adam (Kingma and Ba, 2015), which falls from its first size to 0 over the schedule as a half cosine.
 void FrameDescent::step() {
-  constexpr double beta1 = 0.5, beta2 = 0.99;  // the usual β₁ of 0.9 needs more iterations (encoders.md, "Steps")
-  const double fall = (1 + std::cos(pi * progress(updates()))) / 2, t = updates() + 1;
+  constexpr double beta1 = 0.5, beta2 = 0.99;     // the usual β₁ of 0.9 needs more iterations (encoders.md, "Steps")
+  const int done = updates() - 1, t = updates();  // the update of now has its loss
+  const double fall = (1 + std::cos(pi * progress(done))) / (1 + std::cos(pi * first_progress_));
   const double correction = std::sqrt(1 - std::pow(beta2, t)) / (1 - std::pow(beta1, t));
   const auto adam = [&](double whole_step) {
     return AdamStep{float(beta1), float(beta2), float(whole_step * fall * correction), 1e-20F};
   };
-  arrays_->step({adam(level_step_), adam(modulus_step_), levels_per_cycle_, float(levels_), hardness(updates() + 1)});
+  arrays_->step({adam(level_step_), adam(modulus_step_), levels_per_cycle_, float(levels_), hardness(t)});
 }
 
 template <class Work>
@@ -280,7 +301,7 @@ IterationState FrameDescent::state() {
 
 void FrameDescent::restore(const IterationState& state) {
   const auto is_finite = [](double number) { return std::isfinite(number); };
-  const bool is_sound = state.updates >= 0 && state.updates <= iterations_ &&
+  const bool is_sound = state.updates >= 0 && state.updates <= std::max(iterations_of(params_), iterations_) &&
                         std::all_of(state.numbers.begin(), state.numbers.end(), is_finite) &&
                         std::all_of(state.arrays.begin(), state.arrays.end(), [&](const Array2D<float>& array) {
                           return std::all_of(array.values.begin(), array.values.end(), is_finite);
@@ -297,6 +318,7 @@ void FrameDescent::restore(const IterationState& state) {
             grid_.ny, kept.nx, kept.ny);
   size_t next = 0;
   each_number([&](auto& number) { number = std::decay_t<decltype(number)>(state.numbers[next++]); });
+  if (first_progress_ > 0 && updates() > 0) fit_to_first_loss();
   arrays_->restore(state.arrays);
   for (const PlaneSchedule& planes : plane_schedules_)
     require(planes.are_sound(),

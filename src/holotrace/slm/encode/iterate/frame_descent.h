@@ -145,10 +145,21 @@ class PlaneSchedule {
 
 using WavelengthDescents = std::vector<std::unique_ptr<WavelengthDescent>>;
 
+/// How the frames of a descent begin.
+struct DescentStart {
+  /// Whether the levels are near their goal, as those of a film's last picture are. The schedule then is the last part of the one
+  /// from other starts: levels are whole from the first update on. Its length and its first step follow from the loss of these
+  /// levels, unless params.next_iterations and params.step give them.
+  bool is_near = false;
+  size_t fixed =
+      0;  ///< number of frames, the first ones, that stay as they are: the others are found for the mean light of all
+};
+
 /// A panel and what is asked of its levels.
 struct DescentSetup {
   const Slm& slm;
   const EncodeParams& params;
+  DescentStart start{};
 };
 
 /// The wavelengths of some targets, in their order, for a panel with the hologram's levels and modulation.
@@ -199,6 +210,8 @@ class FrameDescent {
   bool is_late(int updates) const;
   bool has_change(int first, int last) const;
   PanelDetail detail(int updates) const;
+  void set_step(double radians);
+  void fit_to_first_loss();
   void step();
   void end_if_little_is_gained();
   template <class Work>
@@ -207,7 +220,9 @@ class FrameDescent {
   const TargetSet& targets_;
   const EncodeParams& params_;
   const Grid grid_;
-  const int iterations_, levels_;
+  int iterations_;
+  const int levels_;
+  const double first_progress_;
   const size_t arrays_of_state_;
   std::unique_ptr<FrameArrays> arrays_;
   WavelengthDescents wavelengths_;

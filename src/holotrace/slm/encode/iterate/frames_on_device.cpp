@@ -116,8 +116,8 @@ DeviceDrive make_drive(Device& device, size_t values) {
 
 }  // namespace
 
-FramesOnDevice::FramesOnDevice(Device& device, const Grid& pixels, std::vector<Drive> start)
-    : device_(device), pixels_(pixels) {
+FramesOnDevice::FramesOnDevice(Device& device, const Grid& pixels, std::vector<Drive> start, size_t fixed)
+    : device_(device), pixels_(pixels), fixed_(fixed) {
   for (Drive& levels : start) kept_.push_back({levels, levels, {}, {}, {}});
 }
 
@@ -170,7 +170,7 @@ void FramesOnDevice::fetch(const DeviceFrame& frame, KeptArray array, KeptFrame&
 
 void FramesOnDevice::each_frame(FrameUse use, const std::function<void(size_t m, const DeviceFrame& frame)>& work) {
   place();
-  for (size_t m = 0; m < frames(); ++m) {
+  for (size_t m = use == FrameUse::light ? 0 : fixed_; m < frames(); ++m) {
     if (!are_streamed_) {
       work(m, frames_[m]);
       continue;

@@ -96,8 +96,9 @@ inline double bytes_of_drives(size_t arrays) { return 5.0 * sizeof(float) * doub
 class FramesOnDevice {
  public:
   /// @param start   levels of these frames
+  /// @param fixed   number of frames, the first ones, that stay as they are
   /// @throws Error  as Device does, here and in all functions
-  FramesOnDevice(Device& device, const Grid& pixels, std::vector<Drive> start);
+  FramesOnDevice(Device& device, const Grid& pixels, std::vector<Drive> start, size_t fixed = 0);
 
   Device& device() const { return device_; }
   DeviceLightMemory& memory() { return memory_; }
@@ -109,7 +110,8 @@ class FramesOnDevice {
   /// Whether frames stay in the processor's memory. The first call, or the first use of a frame, decides it.
   bool are_streamed();
 
-  /// Calls work(m, frame) for all frames, in order, with their arrays on the device.
+  /// Calls work(m, frame) for all frames, in order, with their arrays on the device; for their light alone also for those that
+  /// are fixed.
   void each_frame(FrameUse use, const std::function<void(size_t m, const DeviceFrame& frame)>& work);
 
   void clear_slopes();
@@ -130,6 +132,7 @@ class FramesOnDevice {
 
   Device& device_;
   const Grid pixels_;
+  const size_t fixed_;
   std::vector<KeptFrame> kept_;      // without values while the frames are on the device
   std::vector<DeviceFrame> frames_;  // on the device; the only one for all frames that come and go
   bool is_placed_ = false, are_streamed_ = false;

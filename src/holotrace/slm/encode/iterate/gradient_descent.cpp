@@ -98,6 +98,7 @@ class KeptDescent {
 struct Listeners {
   const Observer& observer;
   const Checkpoint& checkpoint;
+  double most_loss;  // of the first levels
 };
 
 // The processes of a descent, and the device that they have chosen.
@@ -107,17 +108,17 @@ struct Processes {
 };
 
 std::unique_ptr<FrameArrays> arrays_on(const IterationDevices& place, const DescentSetup& setup,
-                                       const std::vector<Hologram>& frames, const OtherFrames& others = {}) {
+                                       const std::vector<Hologram>& frames, const OtherFrames& others, size_t fixed) {
   if (!place.devices.empty())
-    return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames, others);
-  return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames, others);
+    return std::make_unique<DeviceFrames>(place.devices, setup.slm, setup.params, frames, others, fixed);
+  return std::make_unique<ProcessorFrames>(setup.slm, setup.params, frames, others, fixed);
 }
 
 void judge_on(const IterationDevices& place, const TargetSet& targets, const DescentSetup& setup,
               const Observer& observer, std::vector<Hologram>& frames) {
   std::unique_ptr<FrameArrays> arrays;
   const WavelengthDescents colours = place.compute([&] {
-    arrays = arrays_on(place, setup, frames);
+    arrays = arrays_on(place, setup, frames, {}, 0);
     WavelengthDescents judged = wavelength_descents(targets, setup, frames.front(), *arrays);
     for (const auto& colour : judged) colour->judge();
     return judged;
@@ -125,19 +126,19 @@ void judge_on(const IterationDevices& place, const TargetSet& targets, const Des
   tell_quality(colours, observer, frames);
 }
 
-void descend_on(const IterationDevices& place, const Processes& processes, const TargetSet& targets,
+bool descend_on(const IterationDevices& place, const Processes& processes, const TargetSet& targets,
                 const DescentSetup& setup, std::vector<Hologram>& frames, const Listeners& listeners) {
-  const auto& [observer, checkpoint] = listeners;
+  const auto& [observer, checkpoint, most_loss] = listeners;
   const int iterations = iterations_of(setup.params);
   SharedFrames* shared = nullptr;
   const int here = processes.links ? std::min(processes.links->here().count, int(frames.size())) : 1;
-  const auto own_arrays = [&](const std::vector<Hologram>& own, const OtherFrames& others) {
+  const auto own_arrays = [&](const std::vector<Hologram>& own, const OtherFrames& others, size_t fixed) {
     if (place.devices.empty())
       require_memory_for_descent(planes_to_reach(targets).size(), setup.slm, setup.params, own, here);
-    return arrays_on(place, setup, own, others);
+    return arrays_on(place, setup, own, others, fixed);
   };
   const auto arrays = [&]() -> std::unique_ptr<FrameArrays> {
-    if (!processes.links) return own_arrays(frames, {});
+    if (!processes.links) return own_arrays(frames, {}, setup.start.fixed);
     auto made = std::make_unique<SharedFrames>(*processes.links, setup, processes.device, frames, own_arrays);
     shared = made.get();
     return made;
@@ -145,12 +146,16 @@ void descend_on(const IterationDevices& place, const Processes& processes, const
   const auto made = place.compute([&] { return std::make_unique<FrameDescent>(targets, setup, frames, arrays()); });
   FrameDescent& descent = *made;
   std::optional<KeptDescent> kept;
-  if (checkpoint) kept.emplace(descent, place, checkpoint, descent_job(targets, setup.slm, setup.params, frames));
+  if (checkpoint) kept.emplace(descent, place, checkpoint, descent_job(targets, setup, frames));
   if (kept && descent.updates() == 0) kept->save();  // a file that cannot be written is refused now
   if (descent.updates() > 0)
     observer.progress(double(descent.updates()) / descent.last_update());  // time left is from here
   while (descent.updates() < descent.last_update()) {
     place.compute([&] { descent.update(); });
+    if (descent.losses().front() > most_loss) {
+      if (shared) shared->finish();
+      return false;
+    }
     observer.status(fmt::format("loss {:.1f} dB", decibels(descent.losses().back())));
     observer.progress(double(descent.updates()) / descent.last_update());
     if (kept) kept->after_update(iterations);
@@ -170,14 +175,16 @@ void descend_on(const IterationDevices& place, const Processes& processes, const
   observer.fact("loss_last", Fact(convergence.back()));
   observer.curve("convergence", convergence);
   tell_quality(descent.wavelengths(), observer, frames);
+  return true;
 }
 
 }  // namespace
 
-void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
-             std::vector<Hologram>& frames, const Checkpoint& checkpoint, ProcessLinks* links) {
-  const DescentSetup setup{slm, params};
-  const Listeners listeners{observer, checkpoint};
+bool descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
+             std::vector<Hologram>& frames, const Checkpoint& checkpoint, ProcessLinks* links,
+             const DescentStart& start, double most_loss) {
+  const DescentSetup setup{slm, params, start};
+  const Listeners listeners{observer, checkpoint, most_loss};
   if (links && links->count() > 1 && frames.size() > 1) {
     const size_t own = ranges_of_frames(frames.size(), links->count()).front().count();
     const DeviceChoice device = common_device(planes_to_reach(targets), setup, {frames.size(), own}, links->here());
@@ -185,8 +192,8 @@ void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& param
     return descend_on(place, {links, device}, targets, setup, frames, listeners);
   }
   const std::vector<Device*> devices = devices_for_descent(planes_to_reach(targets), setup, frames.size());
-  on_devices_or_processor(devices, params.device, observer, [&](const IterationDevices& place) {
-    descend_on(place, {}, targets, setup, frames, listeners);
+  return on_devices_or_processor(devices, params.device, observer, [&](const IterationDevices& place) {
+    return descend_on(place, {}, targets, setup, frames, listeners);
   });
 }
 
@@ -198,16 +205,16 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Encode
   });
 }
 
-IterationState descent_job(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
-                           const std::vector<Hologram>& frames) {
+IterationState descent_job(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames) {
   constexpr int schedule = 3;  // changes with what updates do
-  Slm panel = slm;             // without its names
+  const auto& [slm, params, start] = setup;
+  Slm panel = slm;  // without its names
   panel.name = panel.preset = panel.source = "";
   panel.own_effects.clear();
   BasicWriter<FnvHash> hash;
   hash(std::string(HOLOTRACE_VERSION), schedule, panel, iterations_of(params), stop_width(params),
-       params.step > 0 ? params.step : sgd_step, params.least_gain, params.planes_per_update, params.subpixels,
-       params.seed, targets.planes, targets.views);
+       params.step > 0 || start.is_near ? params.step : sgd_step, params.least_gain, params.planes_per_update,
+       params.subpixels, params.seed, start.is_near, uint64_t(start.fixed), targets.planes, targets.views);
   if (targets.draw_views)
     for (const double wavelength : wavelengths_of(targets)) hash(targets.draw_views(0, wavelength));
   for (const Hologram& frame : frames)

@@ -10,6 +10,7 @@
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/slm.h"
 #include "holotrace/data/target.h"
+#include "holotrace/slm/encode/iterate/frame_descent.h"
 
 namespace holotrace {
 
@@ -63,7 +64,16 @@ class Device;
 /// @param slm      panel with the effects that are on
 /// @param checkpoint  keeps the state of now and then: a later call with the same job goes on from there, to the same
 ///                 levels and facts; on another device, to those of rounding
+/// **Films** (start). Levels that are near their goal, because the picture is nearly the last one, need few iterations with small
+/// steps: the schedule is then the last quarter of the one above. It begins with steps of params.step or, for 0, sgd_next_step times
+/// the root of the first loss; it has params.next_iterations updates or, for 0, a twentieth of params.iterations, and more in proportion
+/// to the first loss, all of them for sgd_far_loss. Frames may be fixed, those that a display has shown already and that the eye sees
+/// together with the new ones: their light counts in the mean.
+///
 /// @param links    to other processes that take part; none, or fewer than two frames: this one does it alone
+/// @param start    whether the levels are near the goal, and which frames are fixed
+/// @return         whether the frames were found. With a near start they are left as they were, without facts, if the loss of their
+///                 levels is above most_loss
 /// @param frames   their levels M, modulation and wavelength are used; their `level` is the start, and then the result
 /// @throws Error   for a number of iterations or a step size below 0, if the memory does not suffice, for a checkpoint of
 ///                 another job, and if it says stop; as devices_for_descent and Device do
@@ -74,8 +84,9 @@ class Device;
 /// samples in a pixel (two; one of smooth targets); as much again for
 /// views; with effects, the panel model forward and back. Memory: 44 bytes per pixel and frame (64 on a complex panel) with one
 /// plane at a time, 20 per pixel and plane.
-void descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
-             std::vector<Hologram>& frames, const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr);
+bool descend(const TargetSet& targets, const Slm& slm, const EncodeParams& params, const Observer& observer,
+             std::vector<Hologram>& frames, const Checkpoint& checkpoint = {}, ProcessLinks* links = nullptr,
+             const DescentStart& start = {}, double most_loss = 1e300);
 
 /// Evaluates the levels of frames with the known effects of their panel. Sets the illumination that shows the
 /// targets at their own brightness, at the holograms' wavelength. Facts: `psnr_db`, `target_efficiency` (encode.h).
@@ -86,7 +97,6 @@ void judge(const std::vector<TargetPlane>& targets, const Slm& slm, const Encode
 /// The state of a gradient descent before its first update, without values: its `job` is a fingerprint of the program's
 /// version and of all that its result depends on, its `description` the job in words. Functions have no fingerprint: the
 /// views that draw_views draws for the first update stand for it.
-IterationState descent_job(const TargetSet& targets, const Slm& slm, const EncodeParams& params,
-                           const std::vector<Hologram>& frames);
+IterationState descent_job(const TargetSet& targets, const DescentSetup& setup, const std::vector<Hologram>& frames);
 
 }  // namespace holotrace

@@ -41,10 +41,10 @@ Array2D<float> ProcessorLight::mean_light(const TargetWay& way, SampleGroup grou
       }
     return pixel_means(power);
   }
-  for (const Field& frame : u_) {
-    std::vector<Field> shown = way.propagation.to_plane(frame, group);
+  for (size_t m = 0; m < u_.size(); ++m) {
+    std::vector<Field> shown = way.propagation.to_plane(u_[m], group);
     add_power(shown, irradiance_factor(group) / frames(), light);
-    if (samples) samples->push_back(std::move(shown));
+    if (samples && m >= fixed_) samples->push_back(std::move(shown));
   }
   return light;
 }
@@ -65,10 +65,11 @@ double ProcessorLight::add_gradient(size_t plane, SampleGroup group, double scal
   auto& [mean, samples] = kept.mapped();
   const double error = others_.has_targets() ? scale * scale * leave_residual(*way.target, 1 / scale, mean) : 0;
   if (others_.exchange) others_.exchange->broadcast_from_first(mean.values.data(), mean.size());
-  for (size_t m = 0; m < samples.size(); ++m) {
-    multiply(mean, samples[m]);
-    const Field back = way.propagation.to_panel(samples[m], group);
-    samples[m].clear();
+  for (size_t m = fixed_; m < u_.size(); ++m) {
+    std::vector<Field>& of_frame = samples[m - fixed_];
+    multiply(mean, of_frame);
+    const Field back = way.propagation.to_panel(of_frame, group);
+    of_frame.clear();
     lit_.panel.add_slope(levels_[m], u_[m], back, -2 * scale * scale * factor * irradiance_factor(group) / frames(),
                          slopes_[m], detail_);
   }
@@ -80,7 +81,6 @@ ModulusSums ProcessorLight::view_sums(const ViewTargets& views, bool is_kept) {
   const size_t count = views.pupils.size();
   ViewLight light;
   light.mean.assign(count, Array2D<float>(views.picture.ny, views.picture.nx));
-  light.pictures.resize(is_kept ? u_.size() : 0);
   for (size_t m = 0; m < u_.size(); ++m) {
     const Field eye = way.to_eye(u_[m]);
     std::vector<Array2D<std::complex<float>>> pictures(count);
@@ -89,7 +89,7 @@ ModulusSums ProcessorLight::view_sums(const ViewTargets& views, bool is_kept) {
       picture = take_picture(eye, views.pupils[size_t(k)], views.z, views.picture);
       add_power(picture.values.data(), float(1 / frames()), light.mean[size_t(k)].values.data(), picture.size());
     });
-    if (is_kept) light.pictures[m] = std::move(pictures);
+    if (is_kept && m >= fixed_) light.pictures.push_back(std::move(pictures));
   }
   ModulusSums sums;
   for (size_t k = 0; k < count; ++k) {
@@ -112,9 +112,9 @@ double ProcessorLight::add_gradient_of_views(const ViewTargets& views, double sc
     if (others_.has_targets()) error += scale * scale * leave_residual(views.amplitudes[k], {}, 1 / scale, mean[k]);
     if (others_.exchange) others_.exchange->broadcast_from_first(mean[k].values.data(), mean[k].size());
   }
-  for (size_t m = 0; m < u_.size(); ++m) {
+  for (size_t m = fixed_; m < u_.size(); ++m) {
     Field eye = way.dark_eye();
-    auto& of_frame = pictures[m];
+    auto& of_frame = pictures[m - fixed_];
     auto& of_mean = mean;
     parallel_for(0, int64_t(count), [&](int64_t k) {
       Array2D<std::complex<float>>& picture = of_frame[size_t(k)];
@@ -145,8 +145,8 @@ Drive drive_of(const Hologram& hologram) {
 }
 
 ProcessorFrames::ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames,
-                                 const OtherFrames& others)
-    : slm_(slm), params_(params), others_(others) {
+                                 const OtherFrames& others, size_t fixed)
+    : slm_(slm), params_(params), others_(others), fixed_(fixed) {
   for (const Hologram& frame : frames) rounded_.push_back(drive_of(frame));
 }
 
@@ -160,7 +160,8 @@ void ProcessorFrames::prepare_steps() {
 }
 
 std::unique_ptr<WavelengthLight> ProcessorFrames::light_of(const DrivenPanel& panel, double wavelength) {
-  return std::make_unique<ProcessorLight>(PanelInLight{slm_, params_, panel, wavelength}, rounded_, slopes_, others_);
+  return std::make_unique<ProcessorLight>(PanelInLight{slm_, params_, panel, wavelength}, rounded_, slopes_, others_,
+                                          fixed_);
 }
 
 void ProcessorFrames::clear_slopes() {
@@ -184,7 +185,7 @@ void ProcessorFrames::step(const DriveStep& step) {
         },
         {}, 16);
   };
-  for (size_t m = 0; m < frames_.size(); ++m) {
+  for (size_t m = fixed_; m < frames_.size(); ++m) {
     move(step.level, step.levels_per_cycle, &Drive::level, m);
     if (rounded_[m].modulus.size() > 0) move(step.modulus, 0, &Drive::modulus, m);
   }

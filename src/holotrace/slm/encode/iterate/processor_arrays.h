@@ -27,9 +27,10 @@ class ProcessorLight : public WavelengthLight {
   /// @param levels  rounded drives of the frames
   /// @param slopes  gradients are added here
   /// @param others  frames of other processes: planes show the mean light of all
+  /// @param fixed   number of frames, the first ones, that get no gradients
   ProcessorLight(const PanelInLight& panel, const std::vector<Drive>& levels, std::vector<Drive>& slopes,
-                 const OtherFrames& others = {})
-      : lit_(panel), levels_(levels), slopes_(slopes), others_(others) {}
+                 const OtherFrames& others = {}, size_t fixed = 0)
+      : lit_(panel), levels_(levels), slopes_(slopes), others_(others), fixed_(fixed) {}
 
   void add(const TargetPlane& target) override;
   void leave(const PanelDetail& detail) override;
@@ -44,7 +45,7 @@ class ProcessorLight : public WavelengthLight {
     const TargetPlane* target;
     TargetPropagation propagation;
   };
-  using Samples = std::vector<std::vector<Field>>;  // of each frame
+  using Samples = std::vector<std::vector<Field>>;  // of each frame that is not fixed
 
   // The mean irradiance of the frames in a target plane, and the samples that it is the mean of.
   struct PlaneLight {
@@ -52,7 +53,7 @@ class ProcessorLight : public WavelengthLight {
     Samples samples;
   };
 
-  // The mean irradiance in the pictures of some views, and the pictures of each frame.
+  // The mean irradiance in the pictures of some views, and the pictures of each frame that is not fixed.
   struct ViewLight {
     std::vector<Array2D<float>> mean;
     std::vector<std::vector<Array2D<std::complex<float>>>> pictures;
@@ -66,6 +67,7 @@ class ProcessorLight : public WavelengthLight {
   const std::vector<Drive>& levels_;
   std::vector<Drive>& slopes_;
   OtherFrames others_;
+  size_t fixed_;
   std::vector<TargetWay> ways_;
   std::vector<Field> u_;               // light that leaves the panel, of each frame
   PanelDetail detail_;                 // of that light
@@ -83,8 +85,9 @@ class ProcessorFrames : public FrameArrays {
   /// @param slm, params  must outlive this object
   /// @param frames       their levels are the start
   /// @param others       frames of other processes
+  /// @param fixed        number of frames, the first ones, that stay as they are
   ProcessorFrames(const Slm& slm, const EncodeParams& params, const std::vector<Hologram>& frames,
-                  const OtherFrames& others = {});
+                  const OtherFrames& others = {}, size_t fixed = 0);
 
   std::unique_ptr<WavelengthLight> light_of(const DrivenPanel& panel, double wavelength) override;
   void clear_slopes() override;
@@ -105,6 +108,7 @@ class ProcessorFrames : public FrameArrays {
   const Slm& slm_;
   const EncodeParams& params_;
   OtherFrames others_;
+  size_t fixed_;
   std::vector<Drive> rounded_, slopes_;  // of each frame
   std::vector<Frame> frames_;            // empty until the first step: frames that are only judged need none
   bool have_steps_ended_ = false;

@@ -25,13 +25,6 @@ void receive_array(ProcessLinks& links, int from, Array2D<Value>& array) {
 
 }  // namespace
 
-std::vector<FrameRange> ranges_of_frames(size_t frames, int processes) {
-  const size_t count = std::min(frames, size_t(processes));
-  std::vector<FrameRange> ranges;
-  for (size_t i = 0; i < count; ++i) ranges.push_back({i * frames / count, (i + 1) * frames / count});
-  return ranges;
-}
-
 class SharedFrames::Exchange : public FrameExchange {
  public:
   Exchange(ProcessLinks& links, int processes) : links_(links), processes_(processes) {}
@@ -124,7 +117,7 @@ class SharedFrames::Light : public WavelengthLight {
 SharedFrames::SharedFrames(ProcessLinks& links, const DescentSetup& setup, const DeviceChoice& device,
                            const std::vector<Hologram>& frames, const MakeArrays& make)
     : links_(links),
-      ranges_(ranges_of_frames(frames.size(), links.count())),
+      ranges_(ranges_of_frames(frames.size(), size_t(links.count()))),
       arrays_of_frame_(arrays_of_state(frames) / frames.size()),
       exchange_(std::make_unique<Exchange>(links, int(ranges_.size()))) {
   const auto of_range = [&](const FrameRange& range) {
@@ -133,12 +126,15 @@ SharedFrames::SharedFrames(ProcessLinks& links, const DescentSetup& setup, const
   };
   FrameJob job{setup.slm, setup.params, {}, frames.size()};
   job.params.device = device;
+  const size_t fixed = setup.start.fixed;
   for (size_t i = 1; i < ranges_.size(); ++i) {
     job.frames = of_range(ranges_[i]);
+    job.fixed = ranges_[i].count_below(fixed);
     links_.send(int(i), job_message(job));
     for (const Hologram& frame : job.frames) links_.send(int(i), frame_message(frame));
   }
-  own_ = make(of_range(ranges_.front()), {frames.size() - ranges_.front().count(), exchange_.get()});
+  const FrameRange& own = ranges_.front();
+  own_ = make(of_range(own), {frames.size() - own.count(), exchange_.get()}, own.count_below(fixed));
 }
 
 SharedFrames::~SharedFrames() = default;
@@ -201,14 +197,15 @@ void SharedFrames::restore(const std::vector<Array2D<float>>& state) {
 void SharedFrames::finish() { order(to_message(FrameOrderMessage{.order = FrameOrder::end})); }
 
 std::string job_message(const FrameJob& job) {
-  return to_message(job.slm, job.params, uint64_t(job.frames_of_all), uint64_t(job.frames.size()));
+  return to_message(job.slm, job.params, uint64_t(job.frames_of_all), uint64_t(job.fixed), uint64_t(job.frames.size()));
 }
 
 FrameJob job_from(const std::string& message) {
   FrameJob job;
-  uint64_t frames_of_all = 0, frames = 0;
-  from_message(message, job.slm, job.params, frames_of_all, frames);
+  uint64_t frames_of_all = 0, fixed = 0, frames = 0;
+  from_message(message, job.slm, job.params, frames_of_all, fixed, frames);
   job.frames_of_all = frames_of_all;
+  job.fixed = fixed;
   job.frames.resize(frames);
   return job;
 }
@@ -266,9 +263,9 @@ void make_arrays(Member& member) {
   const OtherFrames others{job.frames_of_all - job.frames.size(), &member.exchange};
   const std::vector<Device*> devices = devices_of_process(job.params.device, member.links.here(), job.frames.size());
   if (devices.empty())
-    member.arrays = std::make_unique<ProcessorFrames>(job.slm, job.params, job.frames, others);
+    member.arrays = std::make_unique<ProcessorFrames>(job.slm, job.params, job.frames, others, job.fixed);
   else
-    member.arrays = std::make_unique<DeviceFrames>(devices, job.slm, job.params, job.frames, others);
+    member.arrays = std::make_unique<DeviceFrames>(devices, job.slm, job.params, job.frames, others, job.fixed);
 }
 
 void add_colour(Member& member, double wavelength) {

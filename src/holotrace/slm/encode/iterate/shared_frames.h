@@ -17,15 +17,6 @@
 
 namespace holotrace {
 
-/// Frames [first, last) of a descent: those of process i of several.
-struct FrameRange {
-  size_t first = 0, last = 0;
-  size_t count() const { return last - first; }
-};
-
-/// The frames of each process: as equal in number as can be. Processes after as many as there are frames have none.
-std::vector<FrameRange> ranges_of_frames(size_t frames, int processes);
-
 /// The frames of a descent that several processes share, as process 0 sees them: its own, and orders to the others, which
 /// optimise_frames_for_first_process obeys.
 ///
@@ -35,9 +26,9 @@ std::vector<FrameRange> ranges_of_frames(size_t frames, int processes);
 /// once and come back at the end. For a checkpoint the state of each frame comes to process 0.
 class SharedFrames : public FrameArrays {
  public:
-  /// Own frames in arrays of this process, given those that others have.
-  using MakeArrays =
-      std::function<std::unique_ptr<FrameArrays>(const std::vector<Hologram>& own, const OtherFrames& others)>;
+  /// Own frames in arrays of this process, given those that others have, and how many of the own ones are fixed.
+  using MakeArrays = std::function<std::unique_ptr<FrameArrays>(const std::vector<Hologram>& own,
+                                                                const OtherFrames& others, size_t fixed)>;
 
   /// @param links   must outlive it, as this object must its light
   /// @param device  of the other processes: each takes its own of equal ones (devices_of_process)
@@ -85,6 +76,7 @@ struct FrameJob {
   EncodeParams params;
   std::vector<Hologram> frames;  ///< each follows in a message of its own, without its panel
   size_t frames_of_all = 0;
+  size_t fixed = 0;  ///< number of `frames`, the first ones, that stay as they are
 };
 
 std::string job_message(const FrameJob& job);
