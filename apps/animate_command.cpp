@@ -55,14 +55,14 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
   shorten_help(*command,
                {"holotrace animate scene.toml -o film", "holotrace animate scene.toml -o film --seconds 2 --fps 25",
                 "holotrace animate walk.glb -o film --film-format mp4"},
-               {"--output", "--film-start", "--seconds", "--fps", "--times", "--film-format", "--slm", "--wavelength",
-                "--quality", "--method", "--frames", "--distance", "--pupil", "--eye", "--paths", "--seed", "--help",
-                "--help-all"});
+               {"--output", "--film-start", "--seconds", "--fps", "--times", "--from-last", "--film-format", "--slm",
+                "--wavelength", "--quality", "--method", "--frames", "--distance", "--pupil", "--eye", "--paths",
+                "--seed", "--help", "--help-all"});
   command->callback([o, &global] {
     Job first = o->flags.job(o->scene, global.outside());
     o->times.apply(first.animate);
     FilmPlan plan{times_of(first.animate, first.last_key), first.animate.fps, first.animate.format,
-                  [&](double time) { return o->flags.job(o->scene, global.outside(), time); }};
+                  [&](double time) { return o->flags.job(o->scene, global.outside(), time); }, first.animate.from_last};
     require(
         first.camera.sweep == Sweep::none,
         "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");

@@ -122,7 +122,7 @@ void bind_scenes(nb::module_& module) {
   job.def("times", [](const Job& j, const nb::dict& given) {
     AnimateParams params = j.animate;
     set_params(given, params);
-    return times_of(params, j.last_key);
+    return std::pair(times_of(params, j.last_key), params.from_last);
   });
   job.def("set", [](Job& j, const std::string& stage, const nb::dict& given) {
     with_stage(j, stage, [&](auto& params) { set_params(given, params); });

@@ -56,11 +56,13 @@ def animate(
     Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
     """
     scene_at = _at(moving, allow_outside)
-    times = scene_at(None)._core.times(params)
+    times, from_last = scene_at(None)._core.times(params)
 
     def runs() -> Iterator[Run]:
+        last = None
         for time in times:
-            made = run(scene_at(time), progress=progress, **stages)
+            made = run(scene_at(time), last=last, progress=progress, **stages)
+            last = made.holograms if from_last else None
             made.time = time
             yield made
 

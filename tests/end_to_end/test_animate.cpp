@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -132,6 +133,50 @@ TEST(Animate, AKilledFilmGoesOnToTheSameBytes) {
   EXPECT_EQ(lines_of(outcome.out).at(0), "1 of 5, 0 s: kept from an earlier call");
   EXPECT_EQ(std::filesystem::last_write_time(work.path("film/t_0001/hologram.png")), written);
   EXPECT_EQ(files_of(work, "film"), files_of(work, "whole"));
+}
+
+// The white wall alone, which moves along x: its holograms are found for its light.
+std::string optimised_scene() {
+  return scene_head(small_panel, "background = 0.1\n") +
+         "[render]\nrows = 32\npaths = 2\n[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 60\n"
+         "[camera]\ndistances = \"32 mm\"\n[animate]\nfps = 5\nfrom_last = true\n"
+         "[[object]]\ntype = \"quad\"\nwidth = \"0.5 mm\"\nheight = \"0.5 mm\"\n"
+         "position = { \"0 s\" = \"-0.1 0 -32 mm\", \"1 s\" = \"0.1 0 -32 mm\" }\n";
+}
+
+// Each time but the first is what `run --last` makes of the one before. With times taken away the same command ends with the
+// same bytes, although it has the one before from its files alone.
+TEST(Animate, FromTheLastTimeTakesFewIterationsAndResumes) {
+  const Workplace work;
+  work.write("scene.toml", optimised_scene());
+  const std::vector<std::string> command{"animate", "scene.toml", "-o", "film", "--seconds", "0.6", "-q"};
+  ASSERT_EQ(work.run(command).exit_code, 0);
+  const auto files = files_of(work, "film");
+  for (const auto& [folder, time, last] :
+       {std::array{"t_0001", "0 s", ""}, std::array{"t_0002", "200 ms", "film/t_0001"},
+        std::array{"t_0003", "400 ms", "film/t_0002"}}) {
+    std::vector<std::string> still{"run", "scene.toml", "-o", "still", "--time", time, "-q"};
+    if (*last) still.insert(still.end(), {"--last", last});
+    ASSERT_EQ(work.run(still).exit_code, 0);
+    EXPECT_EQ(work.read("still/hologram.png"), work.read(std::string("film/") + folder + "/hologram.png")) << time;
+  }
+  std::filesystem::remove_all(work.path("film/t_0002"));
+  std::filesystem::remove_all(work.path("film/t_0003"));
+  ASSERT_EQ(work.run(command).exit_code, 0);
+  EXPECT_EQ(files_of(work, "film"), files);
+
+  std::vector<std::string> afresh = command;
+  afresh.insert(afresh.end(), {"--from-last", "false"});
+  ASSERT_EQ(work.run(afresh).exit_code, 0);
+  EXPECT_EQ(files_of(work, "film").at("/t_0001/hologram.png"), files.at("/t_0001/hologram.png"));
+  EXPECT_NE(files_of(work, "film").at("/t_0002/hologram.png"), files.at("/t_0002/hologram.png"));
+}
+
+TEST(Animate, FromTheLastTimeOnlyWhereTheLightOfTheSceneIsAimedAt) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  expect_error(work, {"animate", "scene.toml", "-o", "film", "--from-last", "true"},
+               {"expected from_last only with the method sgd and the target render"});
 }
 
 // A file of another size, a report that is gone, or another scene: the time is computed again.

@@ -10,6 +10,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/members.h"
+#include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/animation.h"
@@ -17,6 +18,7 @@
 #include "holotrace/io/run/film_report.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/scene_targets.h"
 
 namespace holotrace {
 namespace {
@@ -62,13 +64,22 @@ std::string film_ending(FilmFormat format) {
 
 // The run of a time, without what films do not keep.
 EarlierRun run_of(const Job& job, const StageObserver& stages, const CheckpointOf& checkpoint_of, ProcessLinks* links,
-                  const EarlierRun* before) {
-  EarlierRun made{job, run(job, stages, checkpoint_of, links, before)};
+                  const EarlierRun* before, const std::vector<Hologram>& last) {
+  EarlierRun made{job, run(job, stages, checkpoint_of, links, before, last)};
   made.results.sources.clear();
   made.results.points.clear();
   made.results.fields.clear();
   made.results.radiances.clear();
   return made;
+}
+
+// The holograms of the time before, from its files, whether this call has made them or an earlier one.
+std::vector<Hologram> last_holograms(const std::string& folder, size_t time) {
+  std::vector<Hologram> holograms;
+  if (time > 0)
+    for (const std::string& path : list_complete_run(film_folder(folder, time - 1)).holograms)
+      holograms.push_back(load_hologram(path));
+  return holograms;
 }
 
 // Writes the film of one kind of pictures, or its series.
@@ -100,6 +111,7 @@ SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWa
                    const CheckpointOf& checkpoint_of, ProcessLinks* links) {
   std::optional<EarlierRun> before;  // of the last time that was computed
   std::vector<double> wavelengths;
+  std::string mark;  // fingerprint of all that the results of a time depend on
   std::vector<TimeOfFilm> times;
   SavedRun saved;
   for (size_t i = 0; i < plan.times.size(); ++i) {
@@ -108,12 +120,20 @@ SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWa
     require(job.wavelengths == wavelengths,
             "expected the same wavelengths at all times of a film, got others at {}; give \"wavelength\" in the scene",
             format_time(plan.times[i]));
-    const std::string own = film_folder(folder, i), mark = fingerprint(job);
+    require(
+        !plan.from_last || aims_at_scene(job),
+        "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave "
+        "it out");
+    const std::string own = film_folder(folder, i), own_job = fingerprint(job);
+    mark = plan.from_last ? fmt::format("{:016x}", fingerprint_of(mark, own_job)) : own_job;
     FilmStep step = FilmStep::kept;
     if (!holds_film_run(own, mark)) {
-      step = before && fingerprint(before->job) == mark ? FilmStep::same : FilmStep::computed;
+      const bool is_same = before && !plan.from_last && fingerprint(before->job) == own_job;
+      step = is_same ? FilmStep::same : FilmStep::computed;
       const StageObserver stages = watch.stages ? watch.stages(i) : StageObserver();
-      if (step == FilmStep::computed) before = run_of(job, stages, checkpoint_of, links, before ? &*before : nullptr);
+      if (step == FilmStep::computed)
+        before = run_of(job, stages, checkpoint_of, links, before ? &*before : nullptr,
+                        plan.from_last ? last_holograms(folder, i) : std::vector<Hologram>());
       if (before->results.report.time) before->results.report.time = plan.times[i];
       make_folder(own);
       const FilmMark film = mark_of(mark, before->results);

@@ -17,6 +17,7 @@ struct FilmPlan {
   double fps = 25;                         ///< times that are shown per second
   FilmFormat format = FilmFormat::webp;    ///< of the films
   std::function<Job(double time)> job_at;  ///< the scene at a time [s]
+  bool from_last = false;                  ///< AnimateParams::from_last
 };
 
 /// What becomes of a time of a film.
@@ -53,11 +54,15 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 /// program's version, is kept. So a call that was killed goes on with the first time that it has not finished, and a longer film
 /// keeps the times of a shorter one. The files have the same bytes as without an interruption.
 ///
+/// **From the last.** With plan.from_last the holograms of a time depend on those of all times before, whose fingerprints are part
+/// of its own. Where nothing moves the iterations go on, too.
+///
 /// **What does not change.** If nothing that the results depend on differs from the time before, they are saved again. Holograms of
 /// waves are taken again if only what the camera does differs (EarlierRun).
 ///
 /// Memory holds the results of two times; of a WebP also its encoded pictures.
-/// @throws Error  as run, save_run and save_film do; for times with other wavelengths or sizes of pictures than the first
+/// @throws Error  as run, save_run and save_film do; for times with other wavelengths or sizes of pictures than the first; with
+///                plan.from_last for a job whose holograms do not aim at the light of the scene
 SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch = {},
                    const CheckpointOf& checkpoint_of = {}, ProcessLinks* links = nullptr);
 
