@@ -11,6 +11,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/film.h"
+#include "holotrace/run/scene_targets.h"
 #include "rank_links.h"
 #include "run_flags.h"
 
@@ -66,6 +67,10 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
     require(
         first.camera.sweep == Sweep::none,
         "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");
+    require(
+        !plan.from_last || aims_at_scene(first),
+        "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave "
+        "it out");
     const std::vector<std::string> films = film_paths(o->folder, plan.format);
     if (has_animation_ending(films.front())) check_animation(films.front());
     make_folder(o->folder);

@@ -18,7 +18,6 @@
 #include "holotrace/io/run/film_report.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/choose.h"
-#include "holotrace/run/scene_targets.h"
 
 namespace holotrace {
 namespace {
@@ -120,10 +119,6 @@ SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWa
     require(job.wavelengths == wavelengths,
             "expected the same wavelengths at all times of a film, got others at {}; give \"wavelength\" in the scene",
             format_time(plan.times[i]));
-    require(
-        !plan.from_last || aims_at_scene(job),
-        "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave "
-        "it out");
     const std::string own = film_folder(folder, i), own_job = fingerprint(job);
     mark = plan.from_last ? fmt::format("{:016x}", fingerprint_of(mark, own_job)) : own_job;
     FilmStep step = FilmStep::kept;
