@@ -44,7 +44,7 @@ nb::dict run_job(const Job& given, const std::vector<Hologram>& last, Watch& wat
   const Job job = choose_missing(given);
   RunResults found = watch.run("run", [&](const Observer&) {
     return run(
-        job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr, last);
+        job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr, nullptr, last);
   });
   nb::dict results = dict_of(found);
   results["report"] = json_of(found.report);
