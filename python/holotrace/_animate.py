@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Iterator, Mapping, Sequence, Union
+from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
@@ -21,9 +21,11 @@ Moving = Union[Path, Mapping[str, Any], Callable[[float], Scene]]
 
 def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
     if isinstance(moving, (str, os.PathLike)):
-        return lambda time: load_scene(moving, allow_outside=allow_outside, time=time)
+        path: Path = moving
+        return lambda time: load_scene(path, allow_outside=allow_outside, time=time)
     if isinstance(moving, Mapping):
-        return lambda time: Scene(moving, allow_outside=allow_outside, time=time)
+        tables = moving
+        return lambda time: Scene(tables, allow_outside=allow_outside, time=time)
     if isinstance(moving, Scene) or not callable(moving):
         raise _core.Error(
             f"expected what moves: a path, the tables of a scene, or a function of time, got {type(moving).__name__}; "
@@ -42,8 +44,12 @@ def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
 
 @takes("animate", without=("format",), of_scene=True)
 def animate(
-    moving: Moving, *, stages: Mapping[str, Mapping[str, Any]] = {}, allow_outside: bool = False,
-    progress: Progress = None, **params: Any
+    moving: Moving,
+    *,
+    stages: Optional[Mapping[str, Mapping[str, Any]]] = None,
+    allow_outside: bool = False,
+    progress: Progress = None,
+    **params: Any,
 ) -> Iterator[Run]:
     """The holograms of a scene at several times, one after the other: a `Run` for each, with its ``time``.
 
