@@ -67,7 +67,7 @@ def animate(
     def runs() -> Iterator[Run]:
         last = None
         for time in times:
-            made = run(scene_at(time), last=last, progress=progress, **stages)
+            made = run(scene_at(time), last=last, progress=progress, **(stages or {}))
             last = made.holograms if from_last else None
             made.time = time
             yield made

@@ -236,10 +236,16 @@ class PlanSearch {
 
  private:
   bool is_worth(PlanesPlan plan) const {
-    return std::any_of(cost_.oversamplings.begin(), cost_.oversamplings.end(), [&](double oversampling) {
+    const std::vector<double> grids = grids_for(plan);
+    return std::any_of(grids.begin(), grids.end(), [&](double oversampling) {
       plan.oversampling = oversampling;
       return seconds(plan) < (best_.meets_tolerance ? best_.seconds : most_seconds_);
     });
+  }
+
+  // Corrections cost as much on a coarser grid, which the model of the cost does not know: it would choose them too often.
+  std::vector<double> grids_for(const PlanesPlan& plan) const {
+    return plan.is_corrected ? std::vector<double>{2} : cost_.oversamplings;
   }
 
   double seconds(const PlanesPlan& plan) const { return cost_.seconds(plan, counts_); }
@@ -259,7 +265,7 @@ class PlanSearch {
     SplitEnergies energies = energies_at(some_pixels_);
     if (energies.relative_error() <= beyond_doubt * goal_ || best_.seconds == 0) energies = energies_at(pixels_);
     const double without_gridding = energies.relative_error();
-    for (const double oversampling : cost_.oversamplings) {
+    for (const double oversampling : grids_for(plan)) {
       PlanesPlan with_grid = plan;
       with_grid.oversampling = oversampling;
       const auto error = [&] {
