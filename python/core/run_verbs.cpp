@@ -41,7 +41,8 @@ nb::dict dict_of(RunResults& found) {
 nb::dict run_job(const Job& given, const std::vector<Hologram>& last, Watch& watch) {
   const Job job = choose_missing(given);
   RunResults found = watch.run("run", [&](const Observer&) {
-    return run(job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr, last);
+    return run(
+        job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr, last);
   });
   nb::dict results = dict_of(found);
   results["report"] = json_of(found.report);

@@ -123,8 +123,7 @@ std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& sl
       std::vector<Hologram> found, last;
       for (size_t k = i; k < job.last.size(); k += entries) last.push_back(job.last[k]);
       if (job.fields.empty())
-        found = encode_frames(job.targets[i], job.wavelengths[i], frames, slm, params, observer, kept, job.links,
-                              last);
+        found = encode_frames(job.targets[i], job.wavelengths[i], frames, slm, params, observer, kept, job.links, last);
       else if (traits_of(params.method).aims_at_targets)
         found = {encode_targets(job.targets[i].planes, job.fields[i], slm, params, observer, kept, last)};
       else

@@ -29,7 +29,8 @@ struct EncodeJob {
   bool is_of_fields = false;        ///< fields of waves, which lose light by the panel's cone
   std::vector<double> distances{};  ///< of the planes that it is made for [m]; none: unknown
   std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
-  std::vector<Hologram> last{};  ///< holograms of the last picture that sgd goes on from: for each frame, one for each entry; or none
+  std::vector<Hologram>
+      last{};  ///< holograms of the last picture that sgd goes on from: for each frame, one for each entry; or none
   ProcessLinks* links = nullptr;  ///< to other processes that take frames of stacks and scenes; none: this one is alone
   /// Told the frames of each entry at the end of its stage.
   std::function<void(const std::vector<Hologram>&, const Observer&)> after_entry{};

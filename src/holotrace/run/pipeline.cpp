@@ -231,9 +231,10 @@ std::vector<Sources> points_to_focus(const Job& job) {
 RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links,
                const std::vector<Hologram>& last) {
   const Job job = choose_missing(given);
-  require(last.empty() || aims_at_scene(job),
-          "expected holograms of the last picture only with the method sgd and the target render or light-field; give [encode] "
-          "target, or no such holograms");
+  require(
+      last.empty() || aims_at_scene(job),
+      "expected holograms of the last picture only with the method sgd and the target render or light-field; give [encode] "
+      "target, or no such holograms");
   RunResults b;
   b.report.seed = job.trace.seed;
   b.report.chosen = job.chosen;

@@ -163,9 +163,9 @@ struct EncodeParams {
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
-  int next_iterations = 0;                  ///< sgd from the holograms of the last picture: their number; 0: a twentieth
-  bool is_rolling = false;                  ///< sgd from the frames of the last picture: find one new frame
-  double least_gain = 0;                    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
+  int next_iterations = 0;  ///< sgd from the holograms of the last picture: their number; 0: a twentieth
+  bool is_rolling = false;  ///< sgd from the frames of the last picture: find one new frame
+  double least_gain = 0;    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
   double step = 0;  ///< sgd: step of the phase in the first iterations [rad]; 0: as the start and the frames need
   int planes_per_update = 1;             ///< sgd: number of target planes in each iteration, in turn; 0: all
   int subpixels = 1;                     ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0

@@ -153,14 +153,13 @@ TEST(FrameJobs, CarryAllThatTheLightDependsOn) {
 // What several processes compute of the first update, each with devices of its own or, without, on the processor.
 Gradient gradient_of_shared(const DescentCase& one, int processes, const DeviceChoice& device) {
   ThreadLinks links(processes, optimise_frames_for_first_process);
-  SharedFrames frames(links, {one.slm, one.params}, device, one.start(),
-                      [&](const std::vector<Hologram>& own, const OtherFrames& others,
-                          size_t fixed) -> std::unique_ptr<FrameArrays> {
-                        const auto devices = devices_of_process(device, links.here(), own.size());
-                        if (devices.empty())
-                          return std::make_unique<ProcessorFrames>(one.slm, one.params, own, others, fixed);
-                        return std::make_unique<DeviceFrames>(devices, one.slm, one.params, own, others, fixed);
-                      });
+  SharedFrames frames(
+      links, {one.slm, one.params}, device, one.start(),
+      [&](const std::vector<Hologram>& own, const OtherFrames& others, size_t fixed) -> std::unique_ptr<FrameArrays> {
+        const auto devices = devices_of_process(device, links.here(), own.size());
+        if (devices.empty()) return std::make_unique<ProcessorFrames>(one.slm, one.params, own, others, fixed);
+        return std::make_unique<DeviceFrames>(devices, one.slm, one.params, own, others, fixed);
+      });
   Gradient gradient = gradient_of(one, frames, {});
   frames.finish();
   return gradient;
