@@ -36,7 +36,7 @@ def _cores_of(last: Last) -> List[Any]:
     if last is None:
         return []
     given = [last] if isinstance(last, Noun) or not isinstance(last, Sequence) else last
-    return [a(Hologram, one, "to go on from")._core for one in given]
+    return [a(Hologram, one, "to go on from") for one in given]
 
 
 def _encode(
