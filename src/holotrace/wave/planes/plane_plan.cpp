@@ -124,6 +124,18 @@ double rounding_error_of_planes(const PlanesPlan& plan) {
   return std::hypot(rounding_error(TileProducts::single), 5e-8 * plan.tile);
 }
 
+double gridding_error_of_planes(const PlanesPlan& plan, const PixelBox& bounds) {
+  const auto energy = [&](double used) {
+    const double error = gridding_error(plan.width, plan.oversampling, used);
+    return error * error;
+  };
+  const auto along = [&](int pixels) {
+    const int rest = pixels % plan.tile;
+    return ((pixels - rest) * energy(1) + (rest > 0 ? rest * energy(double(rest) / plan.tile) : 0)) / pixels;
+  };
+  return std::sqrt(along(bounds.x1 - bounds.x0) + along(bounds.y1 - bounds.y0));
+}
+
 namespace {
 
 constexpr std::array<int, 3> tiles{240, 120, 60};  // sides that divide 1080p and 4K panels and suit FFTs
@@ -185,19 +197,6 @@ SummationWork work_of(const PlanesPlan& plan, const PlanesCounts& counts, const 
 constexpr int most_slabs = 64, most_nodes = 8;
 constexpr int most_nodes_of_large_tiles = 4;  // whose grids take 8 MB then, with their transforms 21 MB
 
-// Error of the gridding of a plane wave, over both axes.
-double both_axes(int width, double oversampling) {
-  using Errors = std::array<double, GriddingKernel::greatest_width + 1>;
-  const auto errors = [](double of) {
-    Errors of_width{};
-    for (int w = 2; w <= GriddingKernel::greatest_width; ++w)
-      of_width[size_t(w)] = std::sqrt(2) * gridding_error(w, of);
-    return of_width;
-  };
-  static const Errors of_double_grids = errors(2), of_coarser_grids = errors(1.5);
-  return (oversampling == 2 ? of_double_grids : of_coarser_grids)[size_t(width)];
-}
-
 // Evaluates plans and keeps the fastest that meets the goal, or else the most accurate.
 class PlanSearch {
  public:
@@ -211,7 +210,8 @@ class PlanSearch {
         goal_(goal.tolerance * std::sqrt(goal.coherence) / 1.25),
         most_seconds_(most_seconds),
         depths_(depths_of(waves)) {
-    while (least_width_ < GriddingKernel::greatest_width && both_axes(least_width_, 2) > goal_) ++least_width_;
+    while (least_width_ < GriddingKernel::greatest_width && std::sqrt(2) * gridding_error(least_width_) > goal_)
+      ++least_width_;
     // Many plans are compared; an eighth of the pixels gives their errors to a few percent.
     pixels_ = some_of(drawn, 8);
     some_pixels_ = some_of(pixels_, 8);
@@ -269,7 +269,7 @@ class PlanSearch {
       PlanesPlan with_grid = plan;
       with_grid.oversampling = oversampling;
       const auto error = [&] {
-        return std::hypot(without_gridding, both_axes(with_grid.width, oversampling),
+        return std::hypot(without_gridding, gridding_error_of_planes(with_grid, bounds_),
                           rounding_error_of_planes(with_grid));
       };
       while (with_grid.width < GriddingKernel::greatest_width && error() > goal_) ++with_grid.width;

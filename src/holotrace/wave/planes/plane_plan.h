@@ -42,6 +42,10 @@ SplitEnergies measure_planes(const std::vector<DrawnPixel>& pixels, const WaveDe
 /// `tile` cells that are floats, too. Measured.
 double rounding_error_of_planes(const PlanesPlan& plan);
 
+/// Relative L2 error of the gridding of a plane wave, over both axes. Of the last tiles in a row or column `bounds` may have a part,
+/// which errs more than a whole one.
+double gridding_error_of_planes(const PlanesPlan& plan, const PixelBox& bounds);
+
 /// What a plan has to sum: numbers of pairs of a wave and a tile, and of tiles.
 struct PlanesCounts {
   double whole = 0;    ///< the area of the waves' boxes in tiles

@@ -1,8 +1,10 @@
 #include "holotrace/wave/shared/gridding_kernel.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -75,12 +77,17 @@ double GriddingKernel::weight(int l, double t) const {
   return sum;
 }
 
-double gridding_error(int width, double oversampling) {
+namespace {
+
+// Squared relative error of a plane wave at each output of a tile, from one end to the other.
+using OutputErrors = std::array<double, 32>;
+
+OutputErrors errors_of_outputs(int width, double oversampling) {
   const GriddingKernel kernel(width, oversampling);
-  constexpr int outputs = 32, fractions = 16;
-  double error = 0;
-  for (int i = 0; i < outputs; ++i) {
-    const double xi = ((i + 0.5) / outputs - 0.5) / oversampling;  // the middle of the outputs
+  constexpr int fractions = 16;
+  OutputErrors errors{};
+  for (size_t i = 0; i < errors.size(); ++i) {
+    const double xi = ((double(i) + 0.5) / errors.size() - 0.5) / oversampling;  // the middle of the grid's outputs
     const double scale = 1 / kernel.transform(xi);
     for (int j = 0; j < fractions; ++j) {
       const double t = (j + 0.5) / fractions;
@@ -89,10 +96,25 @@ double gridding_error(int width, double oversampling) {
         const double x = t - width / 2.0 + l;
         sum += kernel.weight(l, t) * std::polar(1.0, 2 * pi * xi * x);
       }
-      error += std::norm(sum * scale - 1.0);
+      errors[i] += std::norm(sum * scale - 1.0) / fractions;
     }
   }
-  return std::sqrt(error / (outputs * fractions));
+  return errors;
+}
+
+}  // namespace
+
+double gridding_error(int width, double oversampling, double used) {
+  using Errors = std::array<OutputErrors, GriddingKernel::greatest_width + 1>;
+  const auto of_widths = [](double of) {
+    Errors errors{};
+    for (int w = 2; w <= GriddingKernel::greatest_width; ++w) errors[size_t(w)] = errors_of_outputs(w, of);
+    return errors;
+  };
+  static const Errors on_double_grids = of_widths(2), on_coarser_grids = of_widths(1.5);
+  const OutputErrors& errors = (oversampling == 2 ? on_double_grids : on_coarser_grids)[size_t(width)];
+  const size_t count = std::clamp<size_t>(size_t(std::lround(used * errors.size())), 1, errors.size());
+  return std::sqrt(std::accumulate(errors.begin(), errors.begin() + count, 0.0) / double(count));
 }
 
 }  // namespace holotrace

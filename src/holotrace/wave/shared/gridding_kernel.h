@@ -54,7 +54,9 @@ class GriddingKernel {
   std::vector<float> coefficients_;
 };
 
-/// Relative L2 error of a plane wave along one axis, over the outputs that are used. The values are measured.
-double gridding_error(int width, double oversampling = 2);
+/// Relative L2 error of a plane wave along one axis of a tile, over its outputs from one end on. The values are measured. At the
+/// ends it is greater than in the middle.
+/// @param used  part of the outputs that counts, above 0 to 1
+double gridding_error(int width, double oversampling = 2, double used = 1);
 
 }  // namespace holotrace
