@@ -1,6 +1,7 @@
 // Scenes, and the verbs that trace them: render, focal_stack, trace, fields, run.
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
 #include <optional>

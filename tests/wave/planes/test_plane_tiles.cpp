@@ -109,7 +109,7 @@ TEST(PlaneTiles, RoundAsTheirPlanExpects) {
 // by less and by more than half of a tile, and at a corner.
 TEST(PlaneTiles, AreThoseOfTheSumOneByOneOnEveryInstructionSet) {
   const Grid grid{70, 65, 8_um};
-  std::vector<PreparedWave> waves = prepare_waves(make_random_sources(50, grid, green, 0.2_m, 0.202_m, 2), grid);
+  std::vector<PreparedWave> waves = prepare_waves(make_random_sources(400, grid, green, 0.2_m, 0.202_m, 2), grid);
   waves[3].box = {0, 70, 0, 20};
   waves[8].box = {0, 70, 7, 65};
   waves[15].box = {33, 70, 0, 65};

@@ -35,7 +35,7 @@ std::vector<double> interpolate(const Function& f, int degree) {
 // β/w of the least gridding_error, for widths from 2 on.
 using BetaPerWidth = std::array<double, GriddingKernel::greatest_width - 1>;
 constexpr BetaPerWidth of_double_grids{1.80, 2.12, 2.22, 2.27, 2.30, 2.32, 2.33},
-    of_coarser_grids{1.47, 1.81, 1.94, 2.00, 2.03, 2.06, 2.07};
+    of_coarser_grids{1.47, 1.81, 1.94, 2.00, 2.03, 2.04, 2.06};
 
 }  // namespace
 
@@ -80,11 +80,11 @@ double GriddingKernel::weight(int l, double t) const {
 namespace {
 
 // Squared relative error of a plane wave at each output of a tile, from one end to the other.
-using OutputErrors = std::array<double, 32>;
+using OutputErrors = std::array<double, 120>;
 
 OutputErrors errors_of_outputs(int width, double oversampling) {
   const GriddingKernel kernel(width, oversampling);
-  constexpr int fractions = 16;
+  constexpr int fractions = 8;
   OutputErrors errors{};
   for (size_t i = 0; i < errors.size(); ++i) {
     const double xi = ((double(i) + 0.5) / errors.size() - 0.5) / oversampling;  // the middle of the grid's outputs

@@ -23,7 +23,7 @@ struct SemicircleKernel {
 
 /// Spreads a plane wave of any frequency over the `width` nearest frequencies of a grid, so that an FFT of the grid
 /// evaluates it. It is SemicircleKernel with the β of least error for each width: 1.80·w to 2.33·w for a grid twice as fine as the
-/// FFT's outputs need, 1.47·w to 2.07·w for one that is 1.5 times as fine. Its error falls about tenfold for each added cell of width,
+/// FFT's outputs need, 1.47·w to 2.06·w for one that is 1.5 times as fine. Its error falls about tenfold for each added cell of width,
 /// sixfold on the coarser grid.
 class GriddingKernel {
  public:
