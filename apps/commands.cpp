@@ -15,7 +15,7 @@ void add_last(CLI::App& command, std::string& path) {
       .add_option(
           "--last", path,
           "sgd, films: holograms of the last picture (NAME, NAME_2, …), or the folder of its run. The iterations go "
-          "on from their levels, with small steps, and need a twentieth of the number (--next-iterations)")
+          "on from their levels, with small steps, and need a fifth of the number (--next-iterations)")
       ->type_name("HOLOGRAM.png|DIR");
 }
 

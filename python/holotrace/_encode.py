@@ -90,7 +90,7 @@ def encode(
     if a wavelength is given.
 
     ``last`` is the hologram of the last picture of a film: with ``method="sgd"`` the iterations go on from its levels, and need a
-    twentieth of their number (``next_iterations``).
+    fifth of their number (``next_iterations``).
     """
     holograms = _encode(target, slm, wavelength, 1, last, progress, params)
     if len(holograms) != 1:

@@ -20,7 +20,7 @@ struct AnimateParams {
   double fps = 25;              ///< times per second
   std::vector<double> times{};  ///< [s]; empty: by the above
   FilmFormat format = FilmFormat::webp;
-  /// Whether the iterations go on from the holograms of the time before (encode_frames), which takes a twentieth of them; else each
+  /// Whether the iterations go on from the holograms of the time before (encode_frames), which takes a fifth of them; else each
   /// time has the bytes of a run of its own.
   bool from_last = false;
 };
@@ -40,7 +40,7 @@ void describe(Visitor&& v, AnimateParams& p) {
             {"png", FilmFormat::png}},
            "file of the films: an animation, or a series of pictures (png); mp4 and webm need the program ffmpeg"));
   v(flag("from_last", p.from_last,
-         "sgd: iterations go on from the holograms of the time before, and take a twentieth of their number "
+         "sgd: iterations go on from the holograms of the time before, and take a fifth of their number "
          "(--next-iterations); false: each time starts afresh, with the bytes of a run of its own"));
 }
 

@@ -163,9 +163,9 @@ struct EncodeParams {
   bool resample = false;                    ///< scale a target picture of another size to that part
   bool is_joint = false;                    ///< sgd: one hologram for all wavelengths
   int iterations = 0;                       ///< number of iterations; 0: the default of the method, above
-  int next_iterations = 0;  ///< sgd from the holograms of the last picture: their number; 0: a twentieth
-  bool is_rolling = false;  ///< sgd from the frames of the last picture: find one new frame
-  double least_gain = 0;    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
+  int next_iterations = 0;                  ///< sgd from the holograms of the last picture: their number; 0: a fifth
+  bool is_rolling = false;                  ///< sgd from the frames of the last picture: find one new frame
+  double least_gain = 0;                    ///< sgd: end early if the loss falls by less than this [dB]; 0: never
   double step = 0;  ///< sgd: step of the phase in the first iterations [rad]; 0: as the start and the frames need
   int planes_per_update = 1;             ///< sgd: number of target planes in each iteration, in turn; 0: all
   int subpixels = 1;                     ///< sgd: samples of the light per pixel and axis; 1: diffraction order 0
@@ -183,11 +183,11 @@ inline int iterations_of(const EncodeParams& params) {
   return params.method == Encoding::sgd ? sgd_iterations : gerchberg_saxton_iterations;
 }
 
-/// Number of iterations of sgd from the holograms of the last picture of a film: as many as asked for, or for 0 a twentieth of those
+/// Number of iterations of sgd from the holograms of the last picture of a film: as many as asked for, or for 0 a fifth of those
 /// of a still, and 3 or more.
 inline int next_iterations_of(const EncodeParams& params) {
   if (params.next_iterations > 0) return params.next_iterations;
-  return std::max(3, (iterations_of(params) + 10) / 20);
+  return std::max(3, (iterations_of(params) + 2) / 5);
 }
 
 /// Half width of the stop of a method as a fraction of 1/2p: the one asked for, or the method's default; 1 means none.
@@ -264,7 +264,7 @@ void describe(Visitor&& v, EncodeParams& p) {
                   "the target render or light-field; {} for the field of a target picture",
                   gerchberg_saxton_iterations, sgd_iterations, target_field_iterations)));
   v(count("next_iterations", p.next_iterations, range::not_negative,
-          "sgd, films: number of iterations from the holograms of the last picture; 0: a twentieth of iterations, 3 or "
+          "sgd, films: number of iterations from the holograms of the last picture; 0: a fifth of iterations, 3 or "
           "more"));
   v(flag("rolling", p.is_rolling,
          "sgd, films: one new frame that takes the place of the first of the last picture, found for the mean light of "

@@ -113,9 +113,11 @@ TEST(NextPicture, StartsAfreshAfterACut) {
 // 3 at least, and as many as asked for.
 TEST(NextPicture, TakesTheIterationsThatAreAskedFor) {
   EncodeParams params = iterations_of_still(20);
+  EXPECT_EQ(next_iterations_of(params), 4);
+  params.iterations = 5;
   EXPECT_EQ(next_iterations_of(params), 3);
   params.iterations = 200;
-  EXPECT_EQ(next_iterations_of(params), 10);
+  EXPECT_EQ(next_iterations_of(params), 40);
   params.next_iterations = 2;
   EXPECT_EQ(next_iterations_of(params), 2);
 }

@@ -66,7 +66,7 @@ class Device;
 ///                 levels and facts; on another device, to those of rounding
 /// **Films** (start). Levels that are near their goal, because the picture is nearly the last one, need few iterations with small
 /// steps: the schedule is then the last quarter of the one above. It begins with steps of params.step or, for 0, sgd_next_step times
-/// the root of the first loss; it has params.next_iterations updates or, for 0, a twentieth of params.iterations, and more in proportion
+/// the root of the first loss; it has params.next_iterations updates or, for 0, a fifth of params.iterations, and more in proportion
 /// to the first loss, all of them for sgd_far_loss. Frames may be fixed, those that a display has shown already and that the eye sees
 /// together with the new ones: their light counts in the mean.
 ///
