@@ -225,7 +225,7 @@ def test_next_picture_goes_on_from_the_last_hologram():
     params = {"method": "sgd", "iterations": 20, "target_distances": [0.01], "progress": False}
     still = ht.encode(field, slm, **params)
     following = ht.encode(field, slm, last=still, **params)
-    assert following.facts["iterations"] == 3
+    assert following.facts["iterations"] == 4  # a fifth
     assert following.facts["start"] == "last"
     assert following.facts["psnr_db"] > still.facts["psnr_db"] - 0.1
     with pytest.raises(ht.Error, match='expected the method sgd for a start from the last holograms, got "phase"'):
