@@ -166,6 +166,12 @@ TEST(Animate, FromTheLastTimeTakesFewIterationsAndResumes) {
   ASSERT_EQ(work.run(command).exit_code, 0);
   EXPECT_EQ(files_of(work, "film"), files);
 
+  // With another time before it, 200 ms is another result, although its own job is the same.
+  for (const char* folder : {"film", "other"})
+    ASSERT_EQ(work.run({"animate", "scene.toml", "-o", folder, "--times", "100, 200 ms", "-q"}).exit_code, 0);
+  EXPECT_EQ(work.read("film/t_0002/hologram.png"), work.read("other/t_0002/hologram.png"));
+  EXPECT_NE(work.read("film/t_0002/hologram.png"), files.at("/t_0002/hologram.png"));
+
   std::vector<std::string> afresh = command;
   afresh.insert(afresh.end(), {"--from-last", "false"});
   ASSERT_EQ(work.run(afresh).exit_code, 0);
