@@ -61,6 +61,13 @@ TEST(Keyframes, ASmoothCurveRestsWhereTwoKeysAreEqualAndNeverLeavesTheirInterval
   }
 }
 
+// At a key between a rise and a fall the value is the greatest of all.
+TEST(Keyframes, ASmoothCurveTurnsAtAKey) {
+  const Keyframes keys{{0, 1, 3}, {{0}, {1}, {0.5}}, Interpolation::smooth};
+  for (double t = 0; t <= 3; t += 0.01) EXPECT_LE(at(keys, t), 1) << t;
+  EXPECT_EQ(at(keys, 1), 1);
+}
+
 // Rodrigues' formula about the axis (1, 2, 2)/3.
 TEST(Quaternions, AreRotationsAboutTheirAxis) {
   const Vec3 axis{1.0 / 3, 2.0 / 3, 2.0 / 3}, p{0.3, -0.7, 0.2};
