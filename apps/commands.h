@@ -112,8 +112,9 @@ inline std::vector<std::string> field_extensions(bool is_double) {
 /// load_job, with its warnings on stderr: for all commands but `run`, whose first stage reports them.
 /// @throws Error as load_job does
 inline Job load_scene(const std::string& path, Outside outside, const ModelParams& model = {},
-                      const std::string& slm = "", std::optional<double> time = std::nullopt) {
-  Job job = load_job(path, outside, model, slm, time);
+                      const std::string& slm = "", std::optional<double> time = std::nullopt,
+                      const std::vector<SceneEdit>& edits = {}) {
+  Job job = load_job(path, outside, model, slm, time, edits);
   for (const std::string& warning : job.warnings) say("warning: scene: {}\n", printable(warning));
   return job;
 }

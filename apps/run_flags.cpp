@@ -54,6 +54,13 @@ void add_scene(CLI::App& command, std::string& path) {
 void SceneFlags::add(CLI::App& command, bool has_time) {
   add_slm(command, slm, "the scene's; models, which are placed to fill its view: pluto");
   if (has_time) add_time(command, time);
+  command
+      .add_option(
+          "--set", edits,
+          "value in place of one of the scene file's: its tables and keys, and the numbers of lists from 1, joined by "
+          "dots, such as camera.pupil=\"3 mm\" or object.2.position=\"0 0 -300 mm\"; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   flags.add(command, ModelParams(), {}, "Models (files of meshes or points in place of a scene)");
 }
 
@@ -65,6 +72,12 @@ ModelParams SceneFlags::model(const std::string& scene) const {
             "expected {} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
             dashed(name), scene);
   return model;
+}
+
+std::vector<SceneEdit> SceneFlags::scene_edits() const {
+  std::vector<SceneEdit> values;
+  for (const std::string& text : edits) values.push_back(parse_scene_edit(text));
+  return values;
 }
 
 std::optional<double> SceneFlags::seconds() const { return parse_scene_time(time); }
@@ -107,7 +120,8 @@ void RunFlags::add(CLI::App& command, bool has_time) {
 }
 
 Job RunFlags::job(const std::string& scene, Outside outside, std::optional<double> time) const {
-  Job job = load_job(scene, outside, scene_.model(scene), scene_.slm, time ? time : scene_.seconds());
+  Job job =
+      load_job(scene, outside, scene_.model(scene), scene_.slm, time ? time : scene_.seconds(), scene_.scene_edits());
   camera_.apply(job.camera);
   job.are_distances_given = job.are_distances_given || camera_.has("distances");
   render_.apply(job.render);

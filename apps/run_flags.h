@@ -10,15 +10,17 @@
 #include "commands.h"
 #include "flags.h"
 #include "holotrace/data/job.h"
+#include "holotrace/io/scene/scene_edits.h"
 
 namespace holotrace {
 
 /// Adds the positional argument of a scene.
 void add_scene(CLI::App& command, std::string& path);
 
-/// How a scene is read: a model without a scene, the panel, and the time.
+/// How a scene is read: a model without a scene, the panel, the time, and values in place of the scene's.
 struct SceneFlags {
   std::string slm, time{};
+  std::vector<std::string> edits{};
   Flags flags{};
 
   /// @param has_time  whether the command is about one time of the scene
@@ -26,6 +28,9 @@ struct SceneFlags {
 
   /// The parameters of a model. @throws Error if its flags are given with a scene
   ModelParams model(const std::string& scene) const;
+
+  /// The values of `--set`. @throws Error as parse_scene_edit does
+  std::vector<SceneEdit> scene_edits() const;
 
   /// The time that is asked for [s]. @throws Error for a text that is no time
   std::optional<double> seconds() const;

@@ -159,7 +159,8 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   add_report(*command, o->report);
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
-    Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds());
+    Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds(),
+                         o->read.scene_edits());
     o->flags.apply(job.render);
     job = choose_missing(std::move(job), Goal::waves);
     const bool is_stack = !job.render.focal_stack.empty();
@@ -211,7 +212,8 @@ void add_trace(CLI::App& app, const GlobalFlags& global) {
   add_report(*command, o->report);
   o->flags.add(*command, TraceParams());
   command->callback([o, &global] {
-    Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds());
+    Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds(),
+                         o->read.scene_edits());
     o->flags.apply(job.trace);
     set_wavelengths(o->wavelengths, job);
     job = choose_missing(std::move(job), Goal::waves);

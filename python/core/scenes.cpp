@@ -1,5 +1,6 @@
 // Scenes, and the verbs that trace them: render, focal_stack, trace, fields, run.
 
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
@@ -104,12 +105,15 @@ void bind_scenes(nb::module_& module) {
   bind_bytes<Job>(job);
   job.def_static(
       "load",
-      [](const std::string& path, bool allow_outside, nb::handle time) {
+      [](const std::string& path, bool allow_outside, nb::handle time,
+         const std::map<std::string, std::string>& texts) {
         const std::optional<double> at = seconds_of(time);
+        std::vector<SceneEdit> edits;
+        for (const auto& [key, value] : texts) edits.push_back({key, value});
         const nb::gil_scoped_release release;
-        return load_job(path, outside_of(allow_outside), {}, "", at);
+        return load_job(path, outside_of(allow_outside), {}, "", at, edits);
       },
-      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none());
+      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none(), nb::arg("edits"));
   job.def_static(
       "make",
       [](const nb::dict& dict, bool allow_outside, nb::handle time) {

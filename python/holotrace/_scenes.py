@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
@@ -164,13 +165,18 @@ class Scene(Noun):
         )
 
 
-def load_scene(path: Path, *, allow_outside: bool = False, time: Optional[Time] = None) -> Scene:
+def load_scene(
+    path: Path, *, allow_outside: bool = False, time: Optional[Time] = None, edits: Optional[Mapping[str, Any]] = None
+) -> Scene:
     """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it.
 
     ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
-    animations of models are read; None: that of the file, or 0.
+    animations of models are read; None: that of the file, or 0. ``edits``: values in place of those of the file, by their tables and keys and the
+    numbers of lists from 1: ``{"object.2.position": "0 0 -300 mm"}``; for a model ``rotation``, ``fit``, ``up``, ``floor`` and
+    ``model_distance``.
     """
-    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time))
+    texts = {key: value if isinstance(value, str) else json.dumps(value) for key, value in (edits or {}).items()}
+    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time, texts))
 
 
 @takes("render", without=("focal_stack", "eye_separation"), of_scene=True)

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/job.h"
+#include "holotrace/data/params/parameter_texts.h"
 #include "holotrace/data/params/renamed.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/io/files/file.h"
@@ -178,7 +181,30 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files,
   return base;
 }
 
+// The parameters of a model with values of their names.
+ModelParams edited(ModelParams model, const std::vector<SceneEdit>& edits) {
+  std::map<std::string, std::string> texts;
+  std::vector<std::string> known;
+  describe([&](const auto& parameter) { known.emplace_back(parameter.name); }, model);
+  for (const SceneEdit& edit : edits) {
+    if (std::find(known.begin(), known.end(), edit.key) == known.end())
+      throw Error("--set: " + unknown_name_message("parameter of a model", printable(edit.key, 80), known));
+    texts[edit.key] = edit.value;
+  }
+  set_from_texts(model, texts, [](const std::string& name) { return "--set " + name; });
+  return model;
+}
+
 }  // namespace
+
+std::vector<SceneEdit> load_editable_values(const std::string& path) {
+  if (is_mesh_file(path)) {
+    const ModelParams model;
+    return {{"rotation", "y 0 deg"}, {"fit", fmt::format("{}", model.fit)}};
+  }
+  std::vector<std::string> files, warnings;
+  return editable_values(read_scene(path, files, warnings));
+}
 
 Slm load_slm(const std::string& name) {
   if (extension_of(name) != ".toml") return slm_preset(name);
@@ -203,14 +229,15 @@ Slm slm_of_table(const toml::table& table) {
 }
 
 Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm,
-             std::optional<double> time) {
+             std::optional<double> time, const std::vector<SceneEdit>& edits) {
   if (is_mesh_file(path))
-    return job_for_model(path, load_slm(slm.empty() ? "pluto" : slm), model, outside, time.value_or(0));
+    return job_for_model(path, load_slm(slm.empty() ? "pluto" : slm), edited(model, edits), outside, time.value_or(0));
   check_file_exists(path, "a scene file");
   require(extension_of(path) == ".toml" || (is_text_file(path) && extension_of(path) != ".json"),
           "{}: expected a scene .toml or a model such as .obj or .glb, got {}", path, kind_of_file(path));
   std::vector<std::string> files, warnings;
-  const toml::table parsed = read_scene(path, files, warnings);
+  toml::table parsed = read_scene(path, files, warnings);
+  apply_edits(edits, parsed, files);
   TomlTable root(parsed, files, "the scene file");
   Job job = read_job(root, path, outside, time);
   job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());

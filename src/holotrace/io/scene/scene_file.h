@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "holotrace/data/job.h"
 #include "holotrace/data/params/model.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/scene/scene_edits.h"
 
 namespace holotrace {
 
@@ -18,10 +20,15 @@ namespace holotrace {
 /// @param model    how a file of meshes is shown
 /// @param slm      panel in place of the scene's, or of `pluto` for a file of meshes, as load_slm takes it; "": theirs
 /// @param time     time at which keys over time and the animations of models are read [s]; nothing: `time` of the scene file, or 0
+/// @param edits    values in place of those of the scene file; of a file of meshes: of `model`, by their names
 /// @throws Error starting with file:line:column for values that are missing, unknown (naming the nearest known
 ///         name), without a unit, out of range, or in front of the panel
 Job load_job(const std::string& path, Outside outside = Outside::refused, const ModelParams& model = {},
-             const std::string& slm = "", std::optional<double> time = std::nullopt);
+             const std::string& slm = "", std::optional<double> time = std::nullopt,
+             const std::vector<SceneEdit>& edits = {});
+
+/// Values of a scene file or a model that load_job takes as edits, with their texts (editable_values).
+std::vector<SceneEdit> load_editable_values(const std::string& path);
 
 /// Reads a panel: by name (slm_preset), from the [slm] of a scene file, or from a panel file, which has the keys of
 /// [slm] and no tables. @throws Error as slm_preset and load_job do

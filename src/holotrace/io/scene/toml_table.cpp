@@ -166,6 +166,7 @@ bool TomlTable::is_placed(const Error& error) const {
 
 std::string TomlTable::place(const toml::source_region& source) const {
   if (arrays_) return name_ + ": ";
+  if (source.path && source.path->starts_with("--set ")) return *source.path + ": ";  // scene_edits.h
   // Tables that the file does not define explicitly have no position of their own.
   return fmt::format("{}:{}:{}: ", file(source), std::max(source.begin.line, 1u), std::max(source.begin.column, 1u));
 }
