@@ -21,6 +21,7 @@
 #include "holotrace/base/aligned_memory.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/folders.h"
+#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/listener.h"
 
@@ -84,6 +85,8 @@ std::unique_ptr<PrivateLink> open_browser(const std::string& url) {
   return link;
 }
 
+bool is_scene_file(const std::string& path) { return extension_of(path) == ".toml" || is_mesh_file(path); }
+
 volatile std::sig_atomic_t is_stopped = 0;
 
 // Ctrl-C ends the server, which is how it is meant to end, and so does closing the terminal; a second one ends the program
@@ -127,7 +130,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::vector<std::string> paths;
     std::string slm, address = "127.0.0.1", idle = "30 min";
     int port = 0;
-    bool has_no_browser = false, is_embedded = false;
+    bool has_no_browser = false, is_embedded = false, is_live = false;
     Flags flags;
   };
   auto o = std::make_shared<Options>();
@@ -139,6 +142,10 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("PATH");
   add_slm(*command, o->slm, "the hologram's, or pluto");
+  command->add_flag(
+      "--live", o->is_live,
+      "let places, lights, colours and all other numbers of a scene or a model be changed in the page; its "
+      "hologram follows: a draft while something moves, then all waves, then optimised frames");
   command->add_option("--port", o->port, "port of the server; 0: one that is free [0]")->type_name("N");
   command->add_flag("--no-browser", o->has_no_browser, "only print the address of the page, open no browser");
   command->add_flag(
@@ -156,7 +163,9 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     check_port(o->port);
     const double idle_seconds = parse_idle(o->idle);
     Console console(global.is_quiet);
-    Session session(o->paths, {o->slm, global.outside(), console.stages(), o->flags.texts()});
+    require(!o->is_live || (o->paths.size() == 1 && is_scene_file(o->paths.front())),
+            "expected one scene .toml or model to view live, got {}; leave out --live", o->paths.front());
+    Session session(o->paths, {o->slm, global.outside(), o->is_live, console.stages(), o->flags.texts()});
     console.finish();
     if (const std::string why = session.why_empty(); !why.empty()) fail("{}", why);
     std::unique_ptr<Answers> answers;

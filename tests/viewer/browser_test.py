@@ -503,6 +503,42 @@ class Page(unittest.TestCase):
         self.change(lambda: self.set_number("distance-number", 60))
         self.assertIn("PSNR", self.get("quality").text)
 
+    def test_changes_a_live_scene(self):
+        self.stop()
+        scene = os.path.join(self.folder, "scene.toml")
+        self.server = Server(scene, "--live")
+        self.open()
+        wait_until(lambda: "optimised" in self.get("status").text or "waves" in self.get("status").text)
+        self.assertEqual(self.get("live-section").get_attribute("hidden"), None)
+        places = self.script("""
+            return [...document.querySelectorAll('#live input')].filter(i => /^object.1.position/.test(i.ariaLabel)).map(i => i.value);""")
+        self.assertEqual(places, ["-0.5", "0", "-40"])
+
+        def brightest_column():
+            picture = self.canvas().convert("L")
+            sums = [sum(picture.getpixel((x, y)) for y in range(picture.height)) for x in range(picture.width)]
+            half = max(sums) / 2
+            lit = [x for x, value in enumerate(sums) if value > half and x < picture.width * 0.6]
+            return (lit[0] + lit[-1]) / 2
+
+        before = brightest_column()
+        x = self.browser.find_element(By.CSS_SELECTOR, "[aria-label='object.1.position, x']")
+        self.change(lambda: self.script("""
+            arguments[0].value = '-0.3';
+            arguments[0].dispatchEvent(new Event('input', {bubbles: true}));""", x))
+        # 0.2 mm to the right in the plane in focus are 25 pixels of 8 um; the edges are noisy to some pixels.
+        self.assertAlmostEqual(brightest_column() - before, 25, delta=5)
+        self.assertIn("object.1.position=-0.3 0 -40 mm", shlex.split(self.get("command").text))
+        # Dragging moves what is pressed by the same way: 20 pixels of the view up are 0.16 mm.
+        frame, scale = self.get("frame"), float(self.get("zoom-text").text.split()[0]) / 100
+        self.change(lambda: ActionChains(self.browser).move_to_element(frame).click_and_hold().move_by_offset(
+            0, -round(20 * scale)).release().perform())
+        y = self.browser.find_element(By.CSS_SELECTOR, "[aria-label='object.1.position, y']")
+        self.assertAlmostEqual(float(y.get_attribute("value")), 0.16, delta=0.01)
+        self.change(lambda: self.get("live-reset").click())
+        self.assertEqual(y.get_attribute("value"), "0")
+        self.assertNotIn("--set", self.get("command").text)
+
     def test_says_that_the_server_is_gone(self):
         self.server.stop()
         self.set_number("distance-number", 50)

@@ -45,6 +45,11 @@ TEST(Requests, SetTheFlagsOfShow) {
   EXPECT_TRUE(state.is_draft);
 }
 
+TEST(Requests, SetValuesOfALiveScene) {
+  const ViewState state = view_state({{"set.object.1.position", "0 0 -1 mm"}, {"set.time", "2 s"}}, {}, 1);
+  EXPECT_EQ(state.edits, (std::vector<SceneEdit>{{"object.1.position", "0 0 -1 mm"}, {"time", "2 s"}}));
+}
+
 TEST(Requests, KeepDefaultsOfWhatIsLeftOut) {
   ViewState defaults;
   defaults.camera.binning = 2;

@@ -46,6 +46,7 @@ HttpAnswer view_answer(const TakenView& view, double seconds) {
                          {"pitch_m", image.pitch},
                          {"step", view.step},
                          {"warnings", view.warnings},
+                         {"made_of", view.made_of},
                          {"seconds", seconds}});
 }
 
@@ -89,14 +90,18 @@ HttpAnswer Answers::operator()(const HttpRequest& request) {
     return {200, std::string(file->type), std::string(file->content), {}, access_.allows_frames};
   try {
     Query query = parse_query(request.query);
-    const bool has_turn = path == "view" || path == "reference";
+    const bool has_turn = path == "view" || path == "reference" || path == "improve";
     const Turn turn = has_turn ? take_turn(query) : Turn();
     if (is_outdated(turn)) return {204, {}, {}};  // tells a request that is at work that this one is newer
     HttpAnswer answer;
-    LastingThread& thread =
-        path == "reference" || path.starts_with("film.") ? renders_ : pictures_;  // they take seconds
+    LastingThread& thread = path == "reference" || path == "improve" || path.starts_with("film.")
+                                ? renders_
+                                : pictures_;  // they take seconds
     thread.call([&] {
-      answer = has_turn ? (path == "view" ? view(query, turn) : reference(query, turn)) : route(path, query);
+      answer = path == "view"        ? view(query, turn)
+               : path == "reference" ? reference(query, turn)
+               : path == "improve"   ? improve(query, turn)
+                                     : route(path, query);
     });
     return answer;
   } catch (const Error& error) {
@@ -163,6 +168,13 @@ HttpAnswer Answers::reference(const Query& query, const Turn& turn) {
   const auto render = session_.reference(session_.state_of(query), [&] { return is_outdated(turn); });
   if (!render) return {204, {}, {}};
   return view_answer(*render, std::chrono::duration<double>(Clock::now() - start).count());
+}
+
+HttpAnswer Answers::improve(const Query& query, const Turn& turn) {
+  const auto start = Clock::now();
+  const bool is_improved = session_.improve(session_.state_of(query), [&] { return is_outdated(turn); });
+  return json_answer(
+      {{"is_improved", is_improved}, {"seconds", std::chrono::duration<double>(Clock::now() - start).count()}});
 }
 
 HttpAnswer Answers::film(const std::string& path, Query query) {

@@ -90,22 +90,6 @@ void add_fields(const std::string& path, const ContentsParams& params, Contents&
   });
 }
 
-void add_points(const std::vector<Sources>& sets, Contents& contents) {
-  size_t all = 0;
-  for (const Sources& set : sets) all += set.waves.size();
-  const size_t step = std::max<size_t>(1, (all + most_space_points - 1) / most_space_points);
-  size_t next = 0;
-  float brightest = 0;
-  for (const Sources& set : sets)
-    for (size_t i = 0; i < set.waves.size(); ++i)
-      if (next++ % step == 0) {
-        const Source& wave = set.waves[i];
-        contents.points.push_back({is_astigmatic(set, i) ? set.second_foci[i].place : wave.origin, wave.amplitude});
-        brightest = std::max(brightest, wave.amplitude);
-      }
-  for (SpacePoint& point : contents.points) point.brightness = brightest > 0 ? point.brightness / brightest : 1;
-}
-
 std::vector<Sources> load_series_of_sources(const std::vector<std::string>& paths, std::vector<std::string>& problems) {
   std::vector<Sources> sets;
   for (const std::string& path : paths) attempt(problems, [&] { sets.push_back(load_sources(path)); });
@@ -146,7 +130,7 @@ void add_folder(const std::string& folder, const ContentsParams& params, Content
     contents.problems.push_back(
         "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
         "holotrace run has written them");
-  add_points(load_series_of_sources(run.points, contents.problems), contents);
+  contents.points = points_in_space(load_series_of_sources(run.points, contents.problems));
   for (const std::string& view : run.views)
     if (const auto render = render_of_view(view); render && !leads_out(render->path) && !leads_out(render->radiance))
       contents.renders.push_back(*render);
@@ -159,7 +143,7 @@ void add_scene(const std::string& path, const ContentsParams& params, Contents& 
     const SceneLight light = trace_light(*job, watch_stage(params, "trace"));
     for (Field& field : fields_of_frame(light, 0, job->slm.grid, job->synthesize, watch_stage(params, "synthesize")))
       contents.items.push_back(item_of_field("", std::move(field), params));
-    add_points(light.sources, contents);
+    contents.points = points_in_space(light.sources);
     contents.job = job;
   });
 }
@@ -170,7 +154,7 @@ void add_sources(const std::string& path, const ContentsParams& params, Contents
     const Slm slm = load_slm(params.slm.empty() ? "pluto" : params.slm);
     contents.items.push_back(
         item_of_field(path, synthesize(sets.front(), slm.grid, {}, watch_stage(params, "synthesize")), params));
-    add_points(sets, contents);
+    contents.points = points_in_space(sets);
   });
 }
 
@@ -185,6 +169,24 @@ std::vector<fs::path> watched(const std::vector<std::string>& paths) {
 }
 
 }  // namespace
+
+std::vector<SpacePoint> points_in_space(const std::vector<Sources>& sets) {
+  std::vector<SpacePoint> points;
+  size_t all = 0;
+  for (const Sources& set : sets) all += set.waves.size();
+  const size_t step = std::max<size_t>(1, (all + most_space_points - 1) / most_space_points);
+  size_t next = 0;
+  float brightest = 0;
+  for (const Sources& set : sets)
+    for (size_t i = 0; i < set.waves.size(); ++i)
+      if (next++ % step == 0) {
+        const Source& wave = set.waves[i];
+        points.push_back({is_astigmatic(set, i) ? set.second_foci[i].place : wave.origin, wave.amplitude});
+        brightest = std::max(brightest, wave.amplitude);
+      }
+  for (SpacePoint& point : points) point.brightness = brightest > 0 ? point.brightness / brightest : 1;
+  return points;
+}
 
 std::vector<double> wavelengths_of(const ViewedItem& item, const ShowParams& show) {
   return item.field ? std::vector<double>{item.field->wavelength} : wavelengths_shown(item.hologram, show);

@@ -12,6 +12,7 @@
 #include "holotrace/data/job.h"
 #include "holotrace/data/params/show.h"
 #include "holotrace/data/slm.h"
+#include "holotrace/data/sources.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/stage.h"
@@ -43,6 +44,7 @@ struct Contents {
   std::vector<SpacePoint> points;       ///< at most most_space_points, chosen evenly
   std::shared_ptr<const Job> job{};     ///< of a scene
   std::string report;                   ///< report.json of a folder; "" if there is none
+  std::string made_of{};                ///< of a live scene: from what its holograms were made
   std::vector<std::string> problems{};  ///< a sentence for each thing that could not be read
 };
 
@@ -52,6 +54,7 @@ inline constexpr size_t most_space_points = 20000;
 struct ContentsParams {
   std::string slm{};  ///< panel: preset name or file; "": the one of each hologram, or pluto
   Outside outside = Outside::refused;
+  bool is_live = false;   ///< whether the values of a scene may be changed (live_scene.h)
   StageObserver watch{};  ///< of what takes time: tracing a scene, summing sources
   std::map<std::string, std::string>
       hologram{};  ///< texts of given fields of HologramParams, as holotrace show takes them
@@ -62,6 +65,9 @@ struct ContentsParams {
 /// @param paths  one path, or several holograms
 /// @throws Error for paths that do not exist or are of no such kind, and for what is said of holograms if there are none
 Contents load_contents(const std::vector<std::string>& paths, const ContentsParams& params);
+
+/// Places of waves and their brightness, at most most_space_points, chosen evenly.
+std::vector<SpacePoint> points_in_space(const std::vector<Sources>& sets);
 
 /// Changes whenever the files of the paths that load_contents reads are written again.
 std::string stamp_of(const std::vector<std::string>& paths);

@@ -14,6 +14,7 @@ namespace holotrace {
 namespace {
 
 const char* const own_keys[] = {"items", "draft"};
+constexpr std::string_view edit_key = "set.";
 
 // Fields that a page cannot set: it asks for one picture, and the program's caller chooses devices.
 const std::set<std::string> left_out{"sweep",         "sweep_views",  "sweep_from", "sweep_to",
@@ -114,6 +115,8 @@ ViewState view_state(const Query& query, const ViewState& defaults, size_t items
       require(value == "1" || value == "2", "expected 1 or 2 for \"draft\", got \"{}\"", printable(value, 80));
       state.is_draft = true;
       state.step = value == "2" ? 2 : 1;
+    } else if (key.starts_with(edit_key)) {
+      state.edits.push_back({key.substr(edit_key.size()), value});
     } else {
       std::vector<std::string> known(std::begin(own_keys), std::end(own_keys));
       for (const auto& [name, field] : fields_by_key()) known.push_back(name);

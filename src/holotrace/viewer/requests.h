@@ -8,6 +8,7 @@
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/show.h"
+#include "holotrace/io/scene/scene_edits.h"
 
 namespace holotrace {
 
@@ -18,7 +19,8 @@ struct ViewState {
   PropagateParams propagation;
   std::vector<size_t> shown{};  ///< numbers of the holograms, from 0; empty: all of them
   bool is_draft = false;  ///< coarser and faster, while something moves: one frame, samples instead of pixel areas
-  int step = 1;           ///< of a draft: 2 means only every second pixel of every second row
+  std::vector<SceneEdit> edits{};  ///< of a live scene: values in place of those of its file
+  int step = 1;                    ///< of a draft: 2 means only every second pixel of every second row
 };
 
 /// The keys and values of a request, decoded. A key may come once.
@@ -35,7 +37,7 @@ Query parse_query(const std::string& text);
 
 /// The state that a query asks for. Its keys are the flags of `holotrace show` without dashes at the start ("distance",
 /// "focal-length", …) with the same texts, "items" (numbers joined by commas) and "draft" ("1", or "2" for
-/// half the resolution).
+/// half the resolution); and for a live scene "set.KEY" with the value of that key.
 /// @param items    number of holograms of the session
 /// @param defaults settings of the keys that are left out
 /// @throws Error   for unknown keys, naming the nearest; for values that are invalid or beyond the bounds above

@@ -60,6 +60,14 @@ std::vector<size_t> first_frames(const std::vector<size_t>& chosen, const std::v
   return first;
 }
 
+// Whether a hologram of a live scene is shown if those of the first frame are chosen: grades have other numbers of frames.
+bool is_shown(const std::vector<size_t>& chosen, size_t item, const std::vector<ViewedItem>& items) {
+  const auto of_first =
+      std::count_if(items.begin(), items.end(), [](const ViewedItem& one) { return one.hologram.label.frame == 0; });
+  return chosen.empty() || of_first == 0 ||
+         std::find(chosen.begin(), chosen.end(), item % size_t(of_first)) != chosen.end();
+}
+
 // Plans without a panel's effects for a field: the light is as it is.
 std::vector<IlluminationState> states_of(const ViewedItem& item, const ShowParams& show, double wavelength,
                                          const Viewpoint& from, std::vector<std::string>& warnings) {
@@ -130,7 +138,12 @@ void Session::load() {
   renders_.clear();
   contents_.reset();  // its memory is free before the next one is read
   contents_ = std::make_shared<const Contents>();
-  contents_ = std::make_shared<const Contents>(load_contents(paths_, params_));
+  if (params_.is_live) {
+    live_ = std::make_shared<LiveScene>(paths_.front(), params_);
+    contents_ = live_->contents({}, {}, true);
+  } else {
+    contents_ = std::make_shared<const Contents>(load_contents(paths_, params_));
+  }
   ++readings_;
   defaults_ = ViewState();
   limit_propagator_cache(bytes_of_transfer(contents_->items));
@@ -181,18 +194,43 @@ ViewState Session::state_of(const Query& query) {
   return view_state(query, defaults_, contents_->items.size());
 }
 
+// Makes `contents_` those of the state. @return false if that was ended
+bool Session::turn_to(const ViewState& state, const std::function<bool()>& is_outdated) {
+  require(live_ || state.edits.empty(), "expected no values of a scene, because it is not shown live; use --live");
+  if (!live_) return true;
+  auto contents = live_->contents(state.edits, state.camera, state.is_draft, is_outdated);
+  if (!contents) return false;
+  if (contents == contents_) return true;
+  light_.clear();
+  last_.reset();
+  renders_.clear();
+  contents_ = std::move(contents);
+  return true;
+}
+
+bool Session::improve(const ViewState& state, const std::function<bool()>& is_outdated) {
+  std::shared_ptr<LiveScene> live;
+  {
+    const std::lock_guard lock(mutex_);
+    live = live_;
+  }
+  return live && live->improve(state.edits, state.camera, is_outdated);
+}
+
 std::vector<size_t> Session::chosen(const ViewState& state) const {
   require(!contents_->items.empty(), "{}",
           contents_->problems.empty() ? "there is no hologram to show" : contents_->problems.front());
-  std::vector<size_t> items = state.shown;
+  std::vector<size_t> items = live_ ? std::vector<size_t>() : state.shown;
   if (items.empty())
-    for (size_t i = 0; i < contents_->items.size(); ++i) items.push_back(i);
+    for (size_t i = 0; i < contents_->items.size(); ++i)
+      if (!live_ || is_shown(state.shown, i, contents_->items)) items.push_back(i);
   require(items.back() < contents_->items.size(), "expected hologram numbers below {}, got {}", contents_->items.size(),
           items.back());
   return state.is_draft ? first_frames(items, contents_->items) : items;
 }
 
 std::optional<TakenView> Session::take(const ViewState& given, const std::function<bool()>& is_outdated, bool is_kept) {
+  if (!turn_to(given, is_outdated)) return std::nullopt;
   const ViewState state = given.is_draft ? coarser(given) : given;
   const std::string key = key_of(state);
   if (!given.is_draft && last_ && last_->key == key) return last_->view;
@@ -201,6 +239,7 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
       fmt::format("{:a};{:a};{:a};{:a}", from.camera.pupil, from.camera.eye.x, from.camera.eye.y, from.camera.eye.z);
   TakenView taken;
   taken.step = state.is_draft ? state.step : 1;
+  taken.made_of = contents_->made_of;
   CombinedViews sum;
   const Observer observer = warnings_to(taken.warnings);
   for (const size_t i : chosen(given)) {

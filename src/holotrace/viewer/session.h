@@ -9,6 +9,7 @@
 
 #include "holotrace/data/image.h"
 #include "holotrace/viewer/contents.h"
+#include "holotrace/viewer/live_scene.h"
 #include "holotrace/viewer/requests.h"
 #include "holotrace/viewer/view_cache.h"
 
@@ -26,6 +27,7 @@ struct TakenView {
   double white = 1;                     ///< irradiance of white [W/m²]
   int step = 1;                         ///< 2: every second pixel of the sensor
   std::vector<std::string> warnings{};  ///< each once
+  std::string made_of{};                ///< Contents::made_of
 };
 
 /// The quantity of a hologram that a page shows beside the view.
@@ -62,6 +64,10 @@ class Session {
   /// @param is_outdated  asked between holograms; if it returns true, the result is empty
   /// @throws Error       as view_hologram does, if there is no hologram, and for a sensor or memory beyond the bounds
   std::optional<TakenView> view(const ViewState& state, const std::function<bool()>& is_outdated = {});
+
+  /// Finds optimised holograms of a live scene, which further views then show (LiveScene::improve). Views are answered
+  /// meanwhile. @return whether they are there
+  bool improve(const ViewState& state, const std::function<bool()>& is_outdated = {});
 
   /// What the view should show, on its pixels and as bright (view_cache.h). That of a scene takes seconds, in which
   /// views are still answered.
@@ -100,6 +106,7 @@ class Session {
  private:
   std::optional<TakenView> take(const ViewState& state, const std::function<bool()>& is_outdated, bool is_kept = true);
   std::vector<size_t> chosen(const ViewState& state) const;
+  bool turn_to(const ViewState& state, const std::function<bool()>& is_outdated);
   struct Compared {
     TakenView view;
     std::optional<TakenView> render;
@@ -112,6 +119,7 @@ class Session {
   std::mutex mutex_;
   std::string stamp_;
   int readings_ = 0;
+  std::shared_ptr<LiveScene> live_;  // nullptr for what does not change
   std::shared_ptr<const Contents> contents_;
   ViewState defaults_;
   LightCache light_;

@@ -49,6 +49,7 @@ std::string Session::values(const ViewState& state, int column, int row, int col
 
 BytePicture Session::panel(size_t number, PanelQuantity quantity, const ViewState& state) {
   const std::lock_guard lock(mutex_);
+  turn_to(state, {});
   require(number < contents_->items.size(), "expected a hologram number below {}, got {}", contents_->items.size(),
           number);
   const ViewedItem& item = contents_->items[number];
@@ -135,11 +136,33 @@ std::string folder_of(const std::string& path) {
   return is_folder(path) ? path : fs::path(path).parent_path().string();
 }
 
+// The run that makes the holograms of a live scene, and looks at them as the state says.
+std::string live_command(const std::string& scene, const std::string& slm, const ViewState& state) {
+  std::string line = "holotrace run " + shell_word(scene);
+  const auto add = [&](const std::string& flag, const std::string& value) {
+    line.append(" ").append(flag).append(" ").append(shell_word(value));
+  };
+  if (!slm.empty()) add("--slm", slm);
+  for (const SceneEdit& edit : state.edits)
+    if (edit.key == "time")
+      add("--time", edit.value);
+    else
+      add("--set", edit.key + "=" + edit.value);
+  const CameraParams& camera = state.camera;
+  add("--distance", format_length(camera.distances.front()));
+  if (camera.pupil > 0) {
+    add("--pupil", format_length(camera.pupil));
+    add("--eye", fmt::format("{} {} {} m", camera.eye.x, camera.eye.y, camera.eye.z));
+  }
+  return line + " -o out";
+}
+
 }  // namespace
 
 std::string Session::command_line(const Query& query) {
   const std::lock_guard lock(mutex_);
   const ViewState state = view_state(query, defaults_, contents_->items.size());
+  if (live_) return live_command(paths_.front(), params_.slm, state);
   std::string line = "holotrace show";
   for (const size_t i : chosen(state)) {
     const ViewedItem& item = contents_->items[i];
@@ -242,6 +265,12 @@ std::string Session::describe() {
   json["renders_m"] = renders;
   json["has_render"] = !contents_->renders.empty() || contents_->job;
   json["has_report"] = !contents_->report.empty();
+  json["live"] = nullptr;
+  if (live_) {
+    json["live"] = Json::array();
+    for (const SceneValue& value : live_->values())
+      json["live"].push_back({{"key", value.edit.key}, {"value", value.edit.value}, {"of", value.of}});
+  }
   json["progress"] = nullptr;
   if (const auto text = running_progress(folder_of(paths_.front()))) {
     const Json progress = parse_json_if_sound(*text);

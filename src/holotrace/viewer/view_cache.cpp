@@ -89,7 +89,7 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
   if (!contents.job || distance == 0) return std::nullopt;
   const std::string key = fmt::format("{} {}", fmt::ptr(contents.job.get()), key_of(camera));  // of this reading
   PlacedRender render{find(key), {}};
-  if (!render.image && trace.is_allowed) render.image = traced(key, *contents.job, camera, trace.is_outdated);
+  if (!render.image && trace.is_allowed) render.image = traced(key, contents.job, camera, trace.is_outdated);
   if (!render.image) return std::nullopt;
   render.place.half_tangent = contents.job->slm.grid.height() / 2 / std::abs(distance);
   render.place.distance = distance;
@@ -97,7 +97,8 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
   return render;
 }
 
-std::shared_ptr<const Image> RendersShown::traced(const std::string& key, const Job& job, const CameraParams& camera,
+std::shared_ptr<const Image> RendersShown::traced(const std::string& key, const std::shared_ptr<const Job>& job,
+                                                  const CameraParams& camera,
                                                   const std::function<bool()>& is_outdated) {
   struct Outdated {};
   Observer observer;
@@ -108,7 +109,7 @@ std::shared_ptr<const Image> RendersShown::traced(const std::string& key, const 
   if (const auto meanwhile = find(key)) return meanwhile;
   try {
     observer.progress(0);  // it may have waited long
-    return keep(key, make_render(job, params_for(job, camera), observer));
+    return keep(key, make_render(*job, params_for(*job, camera), observer), job);
   } catch (const Outdated&) {
     return nullptr;
   }
@@ -121,10 +122,10 @@ std::shared_ptr<const Image> RendersShown::find(const std::string& key) {
   return found == entries_.end() ? nullptr : found->image;
 }
 
-std::shared_ptr<const Image> RendersShown::keep(const std::string& key, Image image) {
+std::shared_ptr<const Image> RendersShown::keep(const std::string& key, Image image, std::shared_ptr<const Job> job) {
   auto kept = std::make_shared<const Image>(std::move(image));
   const std::lock_guard lock(mutex_);
-  entries_.push_front({key, kept});
+  entries_.push_front({key, kept, std::move(job)});
   if (entries_.size() > most_kept) entries_.pop_back();
   return kept;
 }

@@ -92,11 +92,12 @@ class RendersShown {
   struct Entry {
     std::string key;
     std::shared_ptr<const Image> image;
+    std::shared_ptr<const Job> job;  // whose address the key has: no other job gets it meanwhile
   };
   std::shared_ptr<const Image> find(const std::string& key);
-  std::shared_ptr<const Image> keep(const std::string& key, Image image);
-  std::shared_ptr<const Image> traced(const std::string& key, const Job& job, const CameraParams& camera,
-                                      const std::function<bool()>& is_outdated);
+  std::shared_ptr<const Image> keep(const std::string& key, Image image, std::shared_ptr<const Job> job = {});
+  std::shared_ptr<const Image> traced(const std::string& key, const std::shared_ptr<const Job>& job,
+                                      const CameraParams& camera, const std::function<bool()>& is_outdated);
 
   std::mutex mutex_, tracing_;  // one render is traced at a time: each takes all threads
   std::list<Entry> entries_;    // latest first

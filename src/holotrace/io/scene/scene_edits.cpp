@@ -1,6 +1,7 @@
 #include "holotrace/io/scene/scene_edits.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -100,24 +101,36 @@ bool is_changeable(const toml::node& node) {
 }
 
 std::string text_of(const toml::node& node) {
-  if (const auto text = node.value<std::string>()) return *text;
-  std::ostringstream out;
-  node.visit([&](const auto& value) {
-    if constexpr (!toml::is_table<decltype(value)>) out << value;
-  });
-  return out.str();
+  if (const auto number = to_number(node)) return fmt::format("{}", *number);
+  if (const toml::array* list = node.as_array()) {
+    std::vector<std::string> parts;
+    for (const toml::node& one : *list)
+      parts.push_back(one.is_string() ? fmt::format("\"{}\"", text_of(one)) : text_of(one));
+    return fmt::format("[{}]", fmt::join(parts, ", "));
+  }
+  return node.value_or(std::string());
 }
 
-void list_values(const std::string& key, const toml::node& node, std::vector<SceneEdit>& values) {
+// "box", "shape king", "mesh bunny".
+std::string kind_of(const toml::table& table) {
+  std::string kind = table["type"].value_or(std::string());
+  for (const char* name : {"name", "shape"})
+    if (const auto text = table[name].value<std::string>()) return kind.empty() ? *text : kind + " " + *text;
+  return kind;
+}
+
+void list_values(const std::string& key, const toml::node& node, const std::string& of,
+                 std::vector<SceneValue>& values) {
   if (const toml::table* table = node.as_table()) {
     if (is_over_time(*table)) return;
-    for (auto&& [name, inner] : *table) list_values(fmt::format("{}.{}", key, name.str()), inner, values);
+    for (auto&& [name, inner] : *table)
+      list_values(fmt::format("{}.{}", key, name.str()), inner, kind_of(*table), values);
   } else if (is_changeable(node)) {
-    values.push_back({key, text_of(node)});
+    values.push_back({{key, text_of(node)}, of});
   } else if (const toml::array* list = node.as_array()) {
     size_t number = 0;
     for (const toml::node& inner : *list)
-      if (++number; inner.is_table()) list_values(fmt::format("{}.{}", key, number), inner, values);
+      if (++number; inner.is_table()) list_values(fmt::format("{}.{}", key, number), inner, of, values);
   }
 }
 
@@ -145,19 +158,22 @@ void apply_edits(const std::vector<SceneEdit>& edits, toml::table& scene, std::v
   }
 }
 
-std::vector<SceneEdit> editable_values(const toml::table& scene) {
-  std::vector<SceneEdit> values;
-  for (const char* name : {"object", "shape", "light", "environment", "background", "materials"})
-    if (const toml::node* node = scene.get(name)) list_values(name, *node, values);
+std::vector<SceneValue> editable_values(const toml::table& scene) {
+  std::vector<SceneValue> values;
+  const auto list_table = [&](const char* name) {
+    if (const toml::node* node = scene.get(name)) list_values(name, *node, "", values);
+  };
+  list_table("object");
   if (const toml::array* objects = scene.get_as<toml::array>("object")) {
     size_t number = 0;
     for (const toml::node& object : *objects) {
       ++number;
       const toml::table* table = object.as_table();
       if (table && !table->contains("position") && !table->contains("positions"))
-        values.push_back({fmt::format("object.{}.position", number), "0 0 0 mm"});
+        values.push_back({{fmt::format("object.{}.position", number), "0 0 0 mm"}, kind_of(*table)});
     }
   }
+  for (const char* name : {"light", "environment", "background", "materials", "shape"}) list_table(name);
   return values;
 }
 

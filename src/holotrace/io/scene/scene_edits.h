@@ -27,9 +27,17 @@ SceneEdit parse_scene_edit(const std::string& text);
 /// @throws Error for a key that leads through a value that is no table or list, and for numbers beyond a list
 void apply_edits(const std::vector<SceneEdit>& edits, toml::table& scene, std::vector<std::string>& files);
 
+/// A value of a scene that may be changed.
+struct SceneValue {
+  SceneEdit edit;  ///< with the value that it has
+  std::string of;  ///< what its table is: its type with its name or shape, such as "box" or "shape king"; "" if unknown
+
+  friend bool operator==(const SceneValue&, const SceneValue&) = default;
+};
+
 /// What stands in the tables of a scene and may be changed while one looks: numbers, colours, and texts with a number, such as
 /// lengths, places and rotations, of objects, the parts of shapes, lights, materials and surroundings, without keys over time;
 /// and the place of an object that gives none.
-std::vector<SceneEdit> editable_values(const toml::table& scene);
+std::vector<SceneValue> editable_values(const toml::table& scene);
 
 }  // namespace holotrace

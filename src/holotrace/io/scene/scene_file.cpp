@@ -197,10 +197,10 @@ ModelParams edited(ModelParams model, const std::vector<SceneEdit>& edits) {
 
 }  // namespace
 
-std::vector<SceneEdit> load_editable_values(const std::string& path) {
+std::vector<SceneValue> load_editable_values(const std::string& path) {
   if (is_mesh_file(path)) {
     const ModelParams model;
-    return {{"rotation", "y 0 deg"}, {"fit", fmt::format("{}", model.fit)}};
+    return {{{"rotation", "y 0 deg"}, "model"}, {{"fit", fmt::format("{}", model.fit)}, "model"}};
   }
   std::vector<std::string> files, warnings;
   return editable_values(read_scene(path, files, warnings));

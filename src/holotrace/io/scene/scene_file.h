@@ -28,7 +28,7 @@ Job load_job(const std::string& path, Outside outside = Outside::refused, const 
              const std::vector<SceneEdit>& edits = {});
 
 /// Values of a scene file or a model that load_job takes as edits, with their texts (editable_values).
-std::vector<SceneEdit> load_editable_values(const std::string& path);
+std::vector<SceneValue> load_editable_values(const std::string& path);
 
 /// Reads a panel: by name (slm_preset), from the [slm] of a scene file, or from a panel file, which has the keys of
 /// [slm] and no tables. @throws Error as slm_preset and load_job do

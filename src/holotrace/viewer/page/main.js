@@ -2,6 +2,7 @@
 
 import * as api from './api.js';
 import { buildControls, showCommand, showPanel, showQuality, showReport, writeControls } from './sections.js';
+import { buildLive } from './live.js';
 import { isSmall, setPoints, show, showRender } from './stage.js';
 import { drawSpace, startSpace } from './space.js';
 import { redrawCurves, showProgress } from './progress.js';
@@ -11,7 +12,7 @@ const $ = id => document.getElementById(id);
 const page = Math.random().toString(36).slice(2, 12);
 const patience = 220;  // milliseconds without a change before the view is taken in full resolution
 
-let number = 0, running = null, wantsDraft = false, wantsStill = false, stillTimer = 0, isLost = false;
+let number = 0, running = null, wantsDraft = false, wantsStill = false, stillTimer = 0, isLost = false, lastShown = 0;
 
 function say(problem) {
   $('problem').textContent = problem;
@@ -42,14 +43,17 @@ async function ask(isDraft) {
     const picture = await api.picture(`view?${query(more)}`);
     if (mine !== number) return;
     if (picture) {
+      const since = performance.now() - lastShown;
+      lastShown += since;
       show(picture, isDraft ? '' : asked);
       drawSpace();
       const all = performance.now() - start;
       document.body.dataset.milliseconds = all.toFixed(0);
-      $('status').textContent = `${picture.columns} × ${picture.rows}${isDraft ? ', draft' : ''}, ${all.toFixed(0)} ms`;
+      const what = picture.made_of || (isDraft ? 'draft' : ''), rate = isDraft && since < 1000 ? `, ${(1000 / since).toFixed(1)} per second` : '';
+      $('status').textContent = `${picture.columns} × ${picture.rows}${what && ', '}${what}, ${all.toFixed(0)} ms${rate}`;
       say(session.problems.concat(picture.warnings).join('\n'));
     }
-    if (picture && !isDraft && asked === query()) complete(asked).catch(fail);
+    if (picture && !isDraft && asked === query()) complete(asked, picture.made_of).catch(fail);
   } catch (error) {
     if (mine === number) fail(error);
   } finally {
@@ -65,10 +69,16 @@ async function ask(isDraft) {
 }
 
 // What belongs to a still view. It is given up as soon as something changes.
-async function complete(asked) {
+async function complete(asked, madeOf) {
   const isOver = () => asked !== query() || running !== null;
   await showCommand();
   if (isOver()) return;
+  if (session.live) {
+    await Promise.all([showPanel(), showPoints()]);
+    if (isOver()) return;
+    if (!madeOf.startsWith('optimised') && await improve(asked)) return;
+    if (isOver()) return;
+  }
   const render = session.has_render ? await api.picture(`reference?${query({ page, number: String(number) })}`).catch(() => null) : null;
   if (asked !== query()) return;
   showRender(render);
@@ -79,7 +89,25 @@ async function complete(asked) {
   document.body.dataset.complete = asked;
 }
 
+// Optimised holograms of a live scene. @return whether there is something new to show
+async function improve(asked) {
+  const before = $('status').textContent;
+  $('status').textContent = `${before}; finding optimised frames …`;
+  const got = await api.json(`improve?${query({ page, number: String(number) })}`).catch(() => null);
+  if (asked !== query() || running !== null) return true;
+  $('status').textContent = before;
+  if (got?.is_improved) await ask(false);
+  return got?.is_improved ?? false;
+}
+
+async function showPoints() {
+  const points = new Float32Array(await api.bytes('points'));
+  setPoints(points);
+  startSpace(points);
+}
+
 onChange(values => {
+  if (Object.keys(values).join() === 'held') return;
   wantsStill = false;  // of what was before
   if (running !== 'draft') writeControls();  // else with its picture: each change of the page costs as much as a draft
   ask(true);
@@ -153,13 +181,12 @@ async function load() {
     state.shown = null;
     setRange();
     buildControls();
+    buildLive();
     writeControls();
     if (session.items.length > 0) {
       await ask(true);  // something to see at once
       await ask(false);
-      const points = new Float32Array(await api.bytes('points'));
-      setPoints(points);
-      startSpace(points);
+      await showPoints();
       await showPanel();
     }
     if (session.has_report) await showReport();

@@ -1,6 +1,7 @@
 // The camera's view: zoom, divider, pointer, and the numbers in its pixels.
 
 import * as api from './api.js';
+import { heldPlace } from './live.js';
 import { change, clamp, onChange, query, session, state } from './state.js';
 
 const $ = id => document.getElementById(id);
@@ -53,6 +54,14 @@ const isInside = ([x, y]) => x >= 0 && y >= 0 && x < view.width && y < view.heig
 // The place of a pixel in the plane in focus [mm].
 function placeOf([x, y]) {
   return [(x - (view.width - 1) / 2) * pitch, ((view.height - 1) / 2 - y) * pitch];
+}
+
+// How much longer a way at the depth z [mm] is than the same way in the plane in focus, seen from the eye or the panel's middle.
+function depthRatio(z) {
+  const eye = state.pupil > 0 ? state.eye[2] : 0;
+  const plane = session.items[0]?.image === 'real' ? state.distance : -state.distance;
+  const ratio = Math.abs((eye - z) / (eye - plane));
+  return Number.isFinite(ratio) && ratio > 0 ? ratio : 1;
 }
 
 // The depth [mm] of the scene's point nearest to the ray from the eye through that place; the nearer one of neighbours.
@@ -193,7 +202,7 @@ frame.addEventListener('wheel', event => {
 frame.addEventListener('pointerdown', event => {
   frame.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, event);
-  press = { x: event.clientX, y: event.clientY, left, top, eye: [...state.eye], isMoved: pointers.size > 1 };
+  press = { x: event.clientX, y: event.clientY, left, top, eye: [...state.eye], held: heldPlace(), isMoved: pointers.size > 1 };
   pinch = 0;
 });
 
@@ -210,7 +219,10 @@ frame.addEventListener('pointermove', event => {
   const dx = event.clientX - press.x, dy = event.clientY - press.y;
   if (Math.hypot(dx, dy) > 4) press.isMoved = true;
   if (!press.isMoved) return;
-  if (state.pupil > 0 && !event.shiftKey) {
+  if (press.held && !event.shiftKey) {
+    const [x, y, z] = press.held.at, step = (pitch / shownScale()) * depthRatio(z);
+    press.held.move([x + dx * step, y - dy * step, z]);
+  } else if (state.pupil > 0 && (!event.shiftKey || press.held)) {
     const step = 20 / frame.clientWidth;  // the width of the view is 20 mm of the eye's way
     change({ eye: [press.eye[0] + dx * step, press.eye[1] - dy * step, press.eye[2]].map(v => Number(v.toFixed(2))) });
   } else if (scale > 0) {

@@ -3,8 +3,9 @@
 export const state = {
   distance: 300, pupil: 0, eye: [0, 0, 0], focal: 0, exposure: 0,
   hasOrders: false, effects: new Set(), knownEffects: new Set(), shown: null,  // null: all holograms
+  edits: {}, held: '',  // of a live scene: values by their keys, and the key of the place that is dragged in the view
 };
-export const session = { items: [], problems: [], readings: 0, defaults: { pupil_m: 0 } };
+export const session = { items: [], problems: [], live: null, readings: 0, defaults: { pupil_m: 0 } };
 
 const number = value => String(Number(Number(value).toPrecision(10)));
 const length = millimetres => `${number(millimetres)} mm`;
@@ -24,6 +25,7 @@ export function query(more = {}) {
   if (state.hasOrders) parts.set('subpixels', '3');
   if (state.knownEffects.size > 0) parts.set('effects', [...state.effects].join(',') || 'none');
   if (state.shown && state.shown.length < session.items.length) parts.set('items', state.shown.join(','));
+  for (const [key, value] of Object.entries(state.edits)) parts.set(`set.${key}`, value);
   for (const [key, value] of Object.entries(more)) parts.set(key, value);
   return parts.toString();
 }
