@@ -85,20 +85,22 @@ TEST(LiveScene, GradesFollowEachOther) {
   EXPECT_TRUE(made_of(with_eye).ends_with(" waves"));  // the optimised ones are not for that eye
 }
 
-// Waves that arrive at the eye together, in a hologram of double phases, show a smooth picture: without that, waves of random
-// phases give speckle, whose contrast is near 1.
+// Waves that arrive at the eye together, in a hologram of double phases, show a smooth picture: waves of random phases give
+// speckle, whose contrast is near 1. Those that arrive elsewhere leave most of a square of 1.6 mm dark.
 TEST(LiveScene, AnEyeSeesNoSpeckle) {
-  Session session({square_scene("[trace]\ncolumns = 128\nrows = 128\nfield_of_view = \"0.6 deg\"\n")},
+  const std::vector<SceneEdit> large{{"object.1.width", "1.6 mm"}, {"object.1.height", "1.6 mm"}};
+  Session session({square_scene("[trace]\ncolumns = 200\nrows = 200\nfield_of_view = \"0.6 deg\"\n")},
                   {.is_live = true});
   const auto contrast_inside = [&](double z) {
     ViewState state = at("", false);
     state.camera.pupil = 1.5e-3;
     state.camera.eye = {0, 0, z};
+    state.edits = large;
     const Image image = session.view(state)->image;
     double sum = 0, squares = 0;
     int count = 0;
-    for (int j = image.ny / 2 - 12; j < image.ny / 2 + 12; ++j)
-      for (int i = image.nx / 2 - 12; i < image.nx / 2 + 12; ++i, ++count) {
+    for (int j = image.ny / 2 - 80; j < image.ny / 2 + 80; ++j)
+      for (int i = image.nx / 2 - 80; i < image.nx / 2 + 80; ++i, ++count) {
         sum += double(image(j, i));
         squares += double(image(j, i)) * double(image(j, i));
       }

@@ -129,6 +129,7 @@ std::shared_ptr<const Contents> LiveScene::of_waves(Job job, const CameraParams&
                                                     const Observer& observer) const {
   job = aimed_at_waves(std::move(job), camera);
   if (is_draft) job = as_draft(std::move(job));
+  if (has_eye(camera)) job.trace.frames = 1;  // further ones would be equal
   SceneLight light = trace_light(job, observer);
   if (has_eye(camera)) converge_to(camera.eye, light.sources);
   auto contents = std::make_shared<Contents>();
