@@ -1,7 +1,5 @@
 // holotrace display: holograms on the monitor output to which a panel is connected.
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -10,40 +8,19 @@
 #include <vector>
 
 #include "commands.h"
-#include "display/display_module.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/output.h"
+#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/panel_image_file.h"
+#include "monitor.h"
 #include "panel_image_flags.h"
-#include "program_module.h"
 
 namespace holotrace {
 namespace {
 
 volatile std::sig_atomic_t is_stopped = 0;
-
-DisplayFunction load_display() {
-  void* function = load({"display", display_function, RTLD_NOW}, "install SDL 2 (libsdl2-2.0-0)");
-  require(function != nullptr,
-          "expected holotrace_display.so beside the program, got none; install SDL 2 (libsdl2-dev) and build again");
-  return reinterpret_cast<DisplayFunction>(function);
-}
-
-// The colours 0xRRGGBB of a picture.
-std::vector<unsigned> colours_of(const PanelImage& image) {
-  require(
-      image.bits == 8,
-      "expected holograms of at most 256 levels, because a monitor output has 8 bits, got greys of 16 bits; encode them "
-      "again with --levels 256, or save them with -o");
-  std::vector<unsigned> colours(size_t(image.columns) * size_t(image.rows));
-  for (size_t i = 0; i < colours.size(); ++i) {
-    const uint16_t* pixel = image.values.data() + i * size_t(image.channels);
-    colours[i] = image.channels == 1 ? pixel[0] * 0x10101u : unsigned(pixel[0] << 16 | pixel[1] << 8 | pixel[2]);
-  }
-  return colours;
-}
 
 // Holograms of one series in the order in which they were written: a shell puts hologram_10.png before hologram_2.png.
 void sort_series(std::vector<std::string>& paths) {
@@ -96,6 +73,12 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
     check_flag("--rate", o->rate, range::not_negative, Quantity::number);
     check_flag("--seconds", o->seconds, range::not_negative, Quantity::number);
     if (!o->output.empty()) check_output(o->output, panel_image_endings());
+    for (const std::string& path : o->paths)
+      require(
+          extension_of(path) != ".toml" && !is_mesh_file(path),
+          "expected holograms to display, got {0}; to show a scene on a panel while its values are changed, use holotrace view "
+          "{0} --live --monitor {1}",
+          path, o->monitor);
     sort_series(o->paths);
     std::vector<Hologram> holograms;
     for (const std::string& path : o->paths) {
@@ -116,27 +99,18 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
       }));
     }
     const std::vector<PanelImage> images = o->panel.images(holograms, "", warnings_on_terminal());
-    std::vector<std::vector<unsigned>> pictures;
-    std::vector<const unsigned*> colours;
-    for (const PanelImage& image : images) pictures.push_back(colours_of(image));
-    for (const auto& picture : pictures) colours.push_back(picture.data());
+    MonitorPictures pictures(images);
     DisplayJob job;
-    job.columns = images.front().columns;
-    job.rows = images.front().rows;
-    job.pictures = int(colours.size());
-    job.colours = colours.data();
+    pictures.put_into(job);
     job.monitor = o->monitor - 1;
     job.rate = o->rate;
     job.seconds = o->seconds;
     job.is_over = [] { return is_stopped != 0; };
-    const DisplayFunction display = load_display();
     struct sigaction action {};
     action.sa_handler = [](int) { is_stopped = 1; };
     action.sa_flags = int(SA_RESETHAND);
     sigaction(SIGINT, &action, nullptr);
-    DisplayOutcome outcome;
-    display(&job, &outcome);
-    require(outcome.problem[0] == '\0', "{}", outcome.problem);
+    const DisplayOutcome outcome = show_on_monitor(job);
     if (!global.is_quiet)
       fmt::print("{} {} shown at {:.2f} per second, {} refreshes missed\n", outcome.shown,
                  outcome.shown == 1 ? "hologram" : "holograms", outcome.rate, outcome.missed);

@@ -13,7 +13,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
+#include <thread>
 
 #include "commands.h"
 #include "console.h"
@@ -24,6 +26,8 @@
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/viewer/answers.h"
 #include "holotrace/viewer/listener.h"
+#include "monitor.h"
+#include "panel_image_flags.h"
 
 namespace holotrace {
 namespace {
@@ -120,6 +124,56 @@ double parse_idle(const std::string& text) {
   return seconds;
 }
 
+/// The holograms of a session on the monitor output of a panel, in a thread of its own, as long as this object lives.
+class PanelMonitor {
+ public:
+  PanelMonitor(Session& session, int monitor) : session_(session) {
+    renew_pictures();
+    job_.monitor = monitor - 1;
+    job_.is_over = [] { return is_stopped != 0; };
+    job_.context = this;
+    job_.renew = [](void* context, DisplayJob* job) {
+      PanelMonitor& self = *static_cast<PanelMonitor*>(context);
+      try {
+        if (!self.renew_pictures()) return false;
+      } catch (const Error&) {  // of more levels than a monitor has: the last ones stay
+        return false;
+      }
+      job->pictures = self.job_.pictures;
+      job->colours = self.job_.colours;
+      return true;
+    };
+    thread_ = std::thread([this] {
+      try {
+        show_on_monitor(job_);
+      } catch (const Error& error) {
+        say("holotrace: {}\n", error.what());
+      }
+      is_stopped = 1;  // the panel was closed, or cannot be shown
+    });
+  }
+  ~PanelMonitor() { thread_.join(); }
+
+ private:
+  // Takes the holograms of the last picture. @return whether there are others
+  bool renew_pictures() {
+    const auto shown = session_.shown();
+    if (shown == shown_) return false;
+    shown_ = shown;
+    std::vector<Hologram> holograms;
+    for (const ViewedItem& item : shown->items) holograms.push_back(item.hologram);
+    pictures_ = MonitorPictures(PanelImageFlags().images(holograms, ""));
+    pictures_.put_into(job_);
+    return true;
+  }
+
+  Session& session_;
+  std::shared_ptr<const Contents> shown_;
+  MonitorPictures pictures_{{}};
+  DisplayJob job_;
+  std::thread thread_;
+};
+
 void check_port(int port) { check_flag("--port", port, range::from_to(0, 65535), Quantity::count); }
 
 }  // namespace
@@ -129,7 +183,7 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
   struct Options {
     std::vector<std::string> paths;
     std::string slm, address = "127.0.0.1", idle = "30 min";
-    int port = 0;
+    int port = 0, monitor = 0;
     bool has_no_browser = false, is_embedded = false, is_live = false;
     Flags flags;
   };
@@ -146,6 +200,10 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
       "--live", o->is_live,
       "let places, lights, colours and all other numbers of a scene or a model be changed in the page; its "
       "hologram follows: a draft while something moves, then all waves, then optimised frames");
+  command
+      ->add_option("--monitor", o->monitor,
+                   "with --live: monitor to which the panel is connected, from 1; it shows the holograms of the page")
+      ->type_name("N");
   command->add_option("--port", o->port, "port of the server; 0: one that is free [0]")->type_name("N");
   command->add_flag("--no-browser", o->has_no_browser, "only print the address of the page, open no browser");
   command->add_flag(
@@ -163,6 +221,9 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     check_port(o->port);
     const double idle_seconds = parse_idle(o->idle);
     Console console(global.is_quiet);
+    if (o->monitor != 0) check_flag("--monitor", o->monitor, range::at_least(1), Quantity::count);
+    require(o->monitor == 0 || o->is_live,
+            "expected --live beside --monitor; to show files on a panel, use holotrace display");
     require(!o->is_live || (o->paths.size() == 1 && is_scene_file(o->paths.front())),
             "expected one scene .toml or model to view live, got {}; leave out --live", o->paths.front());
     Session session(o->paths, {o->slm, global.outside(), o->is_live, console.stages(), o->flags.texts()});
@@ -191,11 +252,15 @@ void add_view_command(CLI::App& app, const GlobalFlags& global) {
     std::fflush(stdout);
     if (!global.is_quiet) say("holotrace: {}; Ctrl-C ends the server\n", session.memory_text());
     std::unique_ptr<PrivateLink> link = o->has_no_browser ? nullptr : open_browser(url);
+    std::optional<PanelMonitor> monitor;
+    if (o->monitor > 0) monitor.emplace(session, o->monitor);
     // Each picture needs arrays of the same sizes as the last one: memory that is kept is ready, new memory must be cleared.
     keep_freed_memory(std::max(most_kept_memory(), size_t(256) << 20));
     listener.run([&] {
       return is_stopped != 0 || answers->idle_seconds() > idle_seconds || (o->is_embedded && has_input_ended());
     });
+    is_stopped = 1;
+    monitor.reset();
     link.reset();
     std::_Exit(0);  // at once: nobody waits for the pictures that are being computed
   });

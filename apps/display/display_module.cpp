@@ -61,6 +61,24 @@ bool find_mode(const DisplayJob& job, SDL_DisplayMode& found) {
   return false;
 }
 
+// Makes the pictures of the screen those of the job. @return a problem, or ""
+std::string load_pictures(const DisplayJob& job, Screen& screen) {
+  for (size_t p = 0; p < size_t(job.pictures); ++p) {
+    if (p == screen.pictures.size()) {
+      SDL_Texture* picture =
+          SDL_CreateTexture(screen.renderer, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC, job.columns, job.rows);
+      if (!picture) return SDL_GetError();
+      screen.pictures.push_back(picture);
+    }
+    std::vector<uint32_t> pixels(size_t(job.columns) * size_t(job.rows));
+    for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = 0xff000000u | job.colours[p][i];
+    if (SDL_UpdateTexture(screen.pictures[p], nullptr, pixels.data(), job.columns * 4) != 0) return SDL_GetError();
+  }
+  for (; screen.pictures.size() > size_t(job.pictures); screen.pictures.pop_back())
+    SDL_DestroyTexture(screen.pictures.back());
+  return "";
+}
+
 std::string open_screen(const DisplayJob& job, const SDL_DisplayMode& mode, Screen& screen) {
   SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "nearest");
   SDL_SetHint(SDL_HINT_VIDEO_MINIMIZE_ON_FOCUS_LOSS, "0");
@@ -81,18 +99,8 @@ std::string open_screen(const DisplayJob& job, const SDL_DisplayMode& mode, Scre
   if (!screen.renderer) return SDL_GetError();
   SDL_ShowCursor(SDL_DISABLE);
   SDL_DisableScreenSaver();
-  for (int p = 0; p < job.pictures; ++p) {
-    SDL_Texture* picture =
-        SDL_CreateTexture(screen.renderer, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC, job.columns, job.rows);
-    if (!picture) return SDL_GetError();
-    screen.pictures.push_back(picture);
-    std::vector<uint32_t> pixels(size_t(job.columns) * size_t(job.rows));
-    for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = 0xff000000u | job.colours[p][i];
-    if (SDL_UpdateTexture(picture, nullptr, pixels.data(), job.columns * 4) != 0) return SDL_GetError();
-  }
-  return "";
+  return load_pictures(job, screen);
 }
-
 // Handles the events that are there. @return whether the user wants to end
 bool is_ended_by_user() {
   SDL_Event event;
@@ -103,8 +111,12 @@ bool is_ended_by_user() {
   return is_ended;
 }
 
+void fail(DisplayOutcome& outcome, const std::string& sentence) {
+  std::snprintf(outcome.problem, sizeof outcome.problem, "%s", sentence.c_str());
+}
+
 // Shows the pictures in turn. Each is presented as often as the monitor refreshes in its time.
-void show(const DisplayJob& job, const SDL_DisplayMode& mode, const Screen& screen, DisplayOutcome& outcome) {
+void show(DisplayJob job, const SDL_DisplayMode& mode, Screen& screen, DisplayOutcome& outcome) {
   const double refresh = refresh_of(mode);
   const int repeats = job.rate > 0 ? std::max(1, int(std::lround(refresh / job.rate))) : 1;
   outcome.rate = refresh / repeats;
@@ -115,6 +127,10 @@ void show(const DisplayJob& job, const SDL_DisplayMode& mode, const Screen& scre
   size_t shown = screen.pictures.size();  // none yet
   for (long presented = 0; !is_ended_by_user() && !job.is_over(); ++presented) {
     if (job.seconds > 0 && now() - start >= job.seconds) break;
+    if (job.renew && job.renew(job.context, &job)) {
+      if (const std::string problem = load_pictures(job, screen); !problem.empty()) return fail(outcome, problem);
+      shown = screen.pictures.size();  // none of these yet
+    }
     const size_t picture = size_t(presented / repeats) % screen.pictures.size();
     SDL_RenderCopy(screen.renderer, screen.pictures[picture], nullptr, nullptr);
     SDL_RenderPresent(screen.renderer);
@@ -128,10 +144,6 @@ void show(const DisplayJob& job, const SDL_DisplayMode& mode, const Screen& scre
     outcome.shown += picture != shown;
     shown = picture;
   }
-}
-
-void fail(DisplayOutcome& outcome, const std::string& sentence) {
-  std::snprintf(outcome.problem, sizeof outcome.problem, "%s", sentence.c_str());
 }
 
 }  // namespace

@@ -13,6 +13,10 @@ struct DisplayJob {
   double rate = 0;                           ///< pictures per second; 0: that of the monitor
   double seconds = 0;                        ///< duration; 0: until a key or is_over
   bool (*is_over)() = nullptr;               ///< asked at every picture
+  /// Asked at every picture, with `context`, whether others are shown from now on, of the same size: it then changes `pictures` and
+  /// `colours` of its job. nullptr: they stay.
+  bool (*renew)(void* context, DisplayJob* job) = nullptr;
+  void* context = nullptr;
 };
 
 /// What happened.

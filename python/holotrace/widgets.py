@@ -92,7 +92,11 @@ class Viewer:
 
 
 def viewer(
-    shown: Union[Path, Run, Hologram, Sequence[Union[Path, Hologram]]], height: int = 600, *, port: int = 0
+    shown: Union[Path, Run, Hologram, Sequence[Union[Path, Hologram]]],
+    height: int = 600,
+    *,
+    port: int = 0,
+    live: bool = False,
 ) -> Viewer:
     """The page of ``holotrace view`` as a part of a notebook: focus with the mouse wheel, move the eye, switch effects.
 
@@ -108,10 +112,14 @@ def viewer(
         Height of the page in the notebook, in pixels.
     port : whole number
         Port of the server; 0: one that is free.
+    live : bool
+        Whether the values of a scene may be changed in the page; its hologram follows.
     """
     height, port = count(height, "height", least=1), count(port, "port", most=65535)
     if isinstance(shown, (str, os.PathLike)):
-        return Viewer([os.fspath(shown)], height, port)
+        return Viewer([os.fspath(shown), *(["--live"] if live else [])], height, port)
+    if live:
+        raise _core.Error("expected the path of a scene to view live; leave out live")
     folder = tempfile.TemporaryDirectory(prefix="holotrace_viewer_")
     if isinstance(shown, Run):
         shown.save(folder.name)

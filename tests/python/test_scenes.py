@@ -264,3 +264,13 @@ def test_reprs_state_what_they_are(scene):
     assert repr(scene) == "Scene(1 meshes of 2 triangles, 20 points, 1 lights, 'custom', 532 nm)"
     assert "data:image/png" in ht.render(scene)._repr_html_()
     assert "data:image/png" in ht.run(scene)._repr_html_()
+
+
+def test_values_take_the_place_of_those_of_a_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('wavelength = "532 nm"\n[[object]]\ntype = "wireframe_cube"\nsize = "20 mm"\nposition = "0 0 -300 mm"\n')
+    scene = ht.load_scene(path, edits={"camera.pupil": "3 mm", "render.paths": 3, "wavelength": ["633 nm", "450 nm"]})
+    assert scene.parameters("camera")["pupil"] == 3e-3 and scene.parameters("render")["paths"] == 3
+    assert list(scene.wavelengths) == [633e-9, 450e-9]
+    with pytest.raises(ht.Error, match="^--set object.2.position: expected the number of an element from 1 to 1"):
+        ht.load_scene(path, edits={"object.2.position": "0 0 -1 mm"})

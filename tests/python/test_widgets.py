@@ -134,3 +134,13 @@ def test_what_cannot_be_shown_is_an_error_in_words(tmp_path, monkeypatch, progra
     monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path))
     with pytest.raises(ht.Error, match="expected the program holotrace beside this Python or on the PATH, but there is none; install"):
         ht.widgets.viewer(tmp_path)
+
+
+def test_a_scene_is_shown_live(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('wavelength = "532 nm"\n[slm]\ncolumns = 32\nrows = 24\n[[light]]\ntype = "directional"\ndirection = [0, 0, -1]\n'
+                    'irradiance = 3\n[[object]]\ntype = "quad"\nwidth = "2 mm"\nheight = "2 mm"\nposition = "0 0 -100 mm"\n')
+    with ht.widgets.viewer(path, live=True) as viewer:
+        assert "object.1.position" in [one["key"] for one in session_of(viewer)["live"]]
+    with pytest.raises(ht.Error, match="expected the path of a scene to view live"):
+        ht.widgets.viewer([path], live=True)

@@ -13,6 +13,8 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.parse
+import urllib.request
 import zlib
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
@@ -153,6 +155,33 @@ class Display(unittest.TestCase):
         blue, red, green = self.greys
         paths = [path + ".colour.png" for path in self.paths]
         self.assertEqual(self.shown(*paths, "--pack", "colours", until=(red, green, blue)), (red, green, blue))
+
+    def test_shows_a_live_scene(self):
+        """The levels of the page's hologram, and others as soon as the page has changed the scene."""
+        scene = os.path.join(self.folder, "scene.toml")
+        with open(scene, "w") as file:
+            file.write(f'wavelength = "532 nm"\n[slm]\ncolumns = {COLUMNS}\nrows = {ROWS}\npitch = "8 um"\n'
+                       '[[light]]\ntype = "point"\nposition = "0 0 0 mm"\nintensity = 1\n'
+                       '[[object]]\ntype = "quad"\nwidth = "0.5 mm"\nheight = "0.5 mm"\nposition = "0 0 -60 mm"\n')
+        job = subprocess.Popen([PROGRAM, "view", scene, "--live", "--no-browser", "--monitor", "1"], env=self.environment,
+                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.addCleanup(job.stdout.close)
+        url = job.stdout.readline().strip()
+        seen = []
+        for place in ("0 0 -60 mm", "0.3 0 -70 mm"):
+            values = urllib.parse.urlencode({"set.object.1.position": place})
+            urllib.request.urlopen(f"{url}view?{values}").read()
+            answer = urllib.request.urlopen(f"{url}panel?item=0&as=level&{values}").read()
+            levels = answer[4 + struct.unpack("<I", answer[:4])[0]:]
+            self.assertEqual(len(levels), COLUMNS * ROWS)
+            end = time.time() + 15
+            while self.screen() != levels and time.time() < end:
+                time.sleep(0.05)
+            self.assertEqual(self.screen(), levels)
+            seen.append(levels)
+        self.assertNotEqual(seen[0], seen[1])
+        job.send_signal(signal.SIGINT)
+        self.assertEqual(job.wait(timeout=20), 0)
 
     def test_counts_what_it_shows(self):
         run = self.run_display(*self.paths, "--seconds", "1")

@@ -144,6 +144,10 @@ void Session::load() {
   } else {
     contents_ = std::make_shared<const Contents>(load_contents(paths_, params_));
   }
+  {
+    const std::lock_guard lock(shown_mutex_);
+    shown_ = contents_;
+  }
   ++readings_;
   defaults_ = ViewState();
   limit_propagator_cache(bytes_of_transfer(contents_->items));
@@ -205,7 +209,14 @@ bool Session::turn_to(const ViewState& state, const std::function<bool()>& is_ou
   last_.reset();
   renders_.clear();
   contents_ = std::move(contents);
+  const std::lock_guard lock(shown_mutex_);
+  shown_ = contents_;
   return true;
+}
+
+std::shared_ptr<const Contents> Session::shown() {
+  const std::lock_guard lock(shown_mutex_);
+  return shown_;
 }
 
 bool Session::improve(const ViewState& state, const std::function<bool()>& is_outdated) {

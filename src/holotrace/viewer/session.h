@@ -46,6 +46,9 @@ class Session {
   /// Reads the files again if they were written again. @return the number of times that they were read
   int refresh();
 
+  /// What the last picture showed. It may be asked while one is computed.
+  std::shared_ptr<const Contents> shown();
+
   /// Why files that were given show nothing; "" if there is something, or if a run may still write it.
   std::string why_empty();
 
@@ -121,6 +124,8 @@ class Session {
   int readings_ = 0;
   std::shared_ptr<LiveScene> live_;  // nullptr for what does not change
   std::shared_ptr<const Contents> contents_;
+  std::mutex shown_mutex_;
+  std::shared_ptr<const Contents> shown_;
   ViewState defaults_;
   LightCache light_;
   RendersShown renders_;
