@@ -255,5 +255,74 @@ TEST(GltfAnimation, AScenePlaysItsModels) {
   EXPECT_NE(error_of([&] { job("animation = \"third\"\n", 0); }).find("scene.toml:4:8: "), std::string::npos);
 }
 
+// A model that grows from 0 s to 2 s fits at 0 s, and is three times as large at the end.
+TEST(GltfAnimation, AFittedModelKeepsTheSizeOfItsStart) {
+  AnimatedTriangle model;
+  model.move(node(0, "scale"), {0, 2}, {1, 1, 1, 3, 3, 3}, "VEC3", 3);
+  make_file("m.gltf", model.text());
+  const std::string scene = make_file("scene.toml",
+                                      "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.gltf\"\n"
+                                      "fit = \"4 mm\"\nposition = \"0 0 -300 mm\"\n");
+  const auto width = [&](double time) {
+    const auto places = load_job(scene, Outside::refused, {}, "", time).scene.meshes.at(0).positions;
+    return places.at(1).x - places.at(0).x;
+  };
+  EXPECT_NEAR(width(0), 4e-3, 4e-3 * single);
+  EXPECT_NEAR(width(2), 12e-3, 12e-3 * single);
+}
+
+TEST(GltfAnimation, AModelMayBeHiddenForATime) {
+  AnimatedTriangle model;
+  model.move(node(0, "scale"), {0, 1}, {0, 0, 0, 1, 1, 1}, "VEC3", 3, "STEP");
+  const std::string path = make_file("m.gltf", model.text());
+  EXPECT_TRUE(load_meshes(path).meshes.empty());
+  EXPECT_EQ(load_meshes(path, Outside::refused, {1}).meshes.size(), 1U);
+  const std::string scene = make_file("scene.toml",
+                                      "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.gltf\"\n"
+                                      "fit = \"4 mm\"\nposition = \"0 0 -300 mm\"\n[[object]]\ntype = \"quad\"\n"
+                                      "width = \"1 mm\"\nheight = \"1 mm\"\nposition = \"0 0 -200 mm\"\n");
+  EXPECT_EQ(load_job(scene, Outside::refused, {}, "", 0).scene.meshes.size(), 1U);  // the quad
+  EXPECT_EQ(load_job(scene, Outside::refused, {}, "", 1).scene.meshes.size(), 2U);
+  EXPECT_NE(error_of([&] { load_job(path, Outside::refused, {}, "", 1); }).find("hides all then; put it into a scene"),
+            std::string::npos);
+}
+
+// What cannot move says so.
+TEST(GltfAnimation, IgnoredAnimationsAreWarnings) {
+  AnimatedTriangle fixed;
+  fixed.nodes = R"([{"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}])";
+  fixed.move(node(0, "translation"), {0, 2}, {0, 0, 0, 4, 0, 0}, "VEC3", 3);
+  const LoadedModel still = load_meshes(make_file("fixed.gltf", fixed.text()), Outside::refused, {2});
+  EXPECT_EQ(still.meshes.at(0).positions.at(0).x, 1);
+  ASSERT_EQ(still.warnings.size(), 1U);
+  EXPECT_NE(still.warnings[0].find("because the node has a matrix"), std::string::npos);
+
+  AnimatedTriangle red;
+  red.more = R"("materials": [{}], )";
+  red.move(
+      R"("path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/materials/0/emissiveFactor/0"}})",
+      {0, 2}, {0, 1}, "SCALAR", 1);
+  const LoadedModel element = load_meshes(make_file("red.gltf", red.text()), Outside::refused, {2});
+  ASSERT_EQ(element.warnings.size(), 1U);
+  EXPECT_NE(element.warnings[0].find("/materials/0/emissiveFactor/0 is ignored"), std::string::npos);
+}
+
+TEST(GltfAnimation, TheLastKeyMayBeBeforeZero) {
+  AnimatedTriangle model;
+  model.move(node(0, "translation"), {-1, -0.5}, {0, 0, 0, 4, 0, 0}, "VEC3", 3);
+  EXPECT_EQ(load_meshes(make_file("m.gltf", model.text())).last_key, -0.5);
+}
+
+TEST(GltfAnimation, TimesOfAStillModelAreRefused) {
+  make_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  for (const char* line : {"animation_time = \"1 s\"\n", "animation_repeats = true\n"}) {
+    const std::string scene =
+        make_file("scene.toml", std::string("wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.obj\"\n"
+                                            "scale = 0.001\nposition = \"0 0 -300 mm\"\n") +
+                                    line);
+    EXPECT_NE(error_of([&] { load_job(scene); }).find("expected a model with an animation"), std::string::npos) << line;
+  }
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -218,5 +218,17 @@ TEST(TimesOfAFilm, AreRefusedInOneSentence) {
             "expected the times of a film in their order, got 500 ms after 1 s");
 }
 
+// Between opposite directions there is none, at whatever time one looks; steps need none.
+TEST(SceneKeys, OppositeDirectionsAreRefused) {
+  const std::string lamp =
+      "[[light]]\ntype = \"directional\"\nirradiance = 1\ndirection = { \"0 s\" = [0, 0, -1], \"1 s\" = [0, 0, 1]";
+  const std::string scene = moving_quad("position = \"0 0 -300 mm\"\n");
+  for (const double time : {0.0, 0.25, 0.5, 3.0})
+    EXPECT_NE(error_of([&] { load_at(scene + lamp + " }\n", time); }).find("got opposite ones; add a key between"),
+              std::string::npos)
+        << time;
+  EXPECT_NO_THROW(load_at(scene + lamp + ", interpolation = \"step\" }\n", 0.25));
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -93,14 +93,26 @@ std::optional<Target> target_of(const GltfFile& gltf, const Json& target, const 
   const std::string path = target.value("path", "");
   if (path == "pointer") {
     const std::string pointer = target.at("extensions").at("KHR_animation_pointer").at("pointer").get<std::string>();
-    if (!is_shown(pointer)) {
+    const size_t last = pointer.rfind('/') + 1;
+    const bool is_of_element =
+        pointer.find_first_not_of("0123456789", last) == pointer.npos;  // of a list, such as a colour's red
+    if (!is_shown(pointer) || is_of_element) {
       warn("pointer", fmt::format("the animation of {} is ignored", pointer));
       return std::nullopt;
     }
     return Target{pointer, 0, false};
   }
   if (!target.contains("node")) return std::nullopt;  // as the standard has it
-  const std::string pointer = fmt::format("/nodes/{}/{}", gltf_count(gltf, target.at("node")), path);
+  const size_t node = gltf_count(gltf, target.at("node"));
+  const std::string pointer = fmt::format("/nodes/{}/{}", node, path);
+  const Json& nodes = gltf.document.at("nodes");
+  if (path != "weights" && node < nodes.size() && nodes.at(node).contains("matrix")) {
+    warn("matrix",
+         fmt::format("the animation of node {} is ignored, because the node has a matrix; export it with translation, "
+                     "rotation and scale",
+                     node));
+    return std::nullopt;
+  }
   if (path == "translation" || path == "scale") return Target{pointer, 3, false};
   if (path == "rotation") return Target{pointer, 4, true};
   if (path == "weights") return Target{pointer, 0, false};
@@ -174,7 +186,8 @@ std::optional<double> pose_gltf(GltfFile& gltf, const PoseTime& at, const WarnOn
     if (!target) continue;
     const Json& source = animation.at("samplers").at(gltf_count(gltf, channel.at("sampler")));
     channels.push_back({*target, read_sampler(gltf, source, *target)});
-    last = std::max(last.value_or(0), channels.back().sampler.keys.times.back());
+    const double end = channels.back().sampler.keys.times.back();
+    last = std::max(last.value_or(end), end);
   }
   const double time =
       at.repeats && last && *last > 0 ? at.seconds - *last * std::floor(at.seconds / *last) : at.seconds;

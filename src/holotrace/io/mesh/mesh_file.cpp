@@ -190,8 +190,9 @@ void ModelReader::add(Mesh mesh, const FileMaterial& material, const Frame& fram
   model_.meshes.push_back(std::move(mesh));
 }
 
-LoadedModel ModelReader::finish(std::vector<FileMaterial> materials) {
-  require(!model_.meshes.empty(), "{}: expected a mesh with triangles, got {}", path_,
+LoadedModel ModelReader::finish(std::vector<FileMaterial> materials, bool may_be_hidden) {
+  require(!model_.meshes.empty() || (may_be_hidden && left_out_ == 0), "{}: expected a mesh with triangles, got {}",
+          path_,
           has_flat_meshes_ ? "only triangles without an area; are all its parts scaled to 0?"
           : left_out_ > 0  ? "only points and lines; save points as PLY, whose points become surfaces"
                            : "none");

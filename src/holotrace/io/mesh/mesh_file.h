@@ -44,6 +44,7 @@ bool is_mesh_file(const std::string& path);
 ///
 /// @param outside  whether the files that it names may lie outside its folder
 /// @param at       time of the animation; files of other formats than glTF are at rest
+/// @return         without meshes if the animation hides all at that time, or scales it to 0
 /// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, for an animation that it
 ///         does not have, and naming the mesh for indices that are out of range and coordinates that are not finite
 LoadedModel load_meshes(const std::string& path, Outside outside = Outside::refused, const PoseTime& at = {});

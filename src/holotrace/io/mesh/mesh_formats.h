@@ -62,8 +62,10 @@ class ModelReader {
 
   void leave_out(size_t primitives) { left_out_ += primitives; }  ///< points and lines
 
-  /// The model with these materials. @throws Error if it has no triangles
-  LoadedModel finish(std::vector<FileMaterial> materials);
+  /// The model with these materials.
+  /// @param may_be_hidden  whether it is fine that nothing is there, as at times of an animation
+  /// @throws Error         otherwise if it has no triangles
+  LoadedModel finish(std::vector<FileMaterial> materials, bool may_be_hidden = false);
 
  private:
   std::string path_;

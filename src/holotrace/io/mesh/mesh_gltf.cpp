@@ -70,7 +70,7 @@ class GltfReader {
       const Json& node = nodes.at(number);
       if (node.contains("mesh") && !is_hidden_.at(number)) read_mesh(node, places_.at(number));
     });
-    LoadedModel model = reader_.finish(std::move(materials_));
+    LoadedModel model = reader_.finish(std::move(materials_), last_key_.has_value());
     model.last_key = last_key_;
     return model;
   } catch (const Json::exception& e) {

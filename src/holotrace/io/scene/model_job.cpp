@@ -267,7 +267,10 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   const Grid& panel = slm.grid;
   const double distance = params.model_distance > 0 ? params.model_distance : depth_in_widths * panel.width();
   place(upright(params.up));
-  require(!model.meshes.empty(), "{}: expected a model with triangles or points, got none", path);
+  require(
+      !model.meshes.empty(),
+      "{}: expected a model that is seen at 0 s, by which it is placed, but its animation hides all then; put it into a scene",
+      path);
   const std::string extension = extension_of(path);
   const bool has_front = extension == ".glb" || extension == ".gltf";
   if (!params.rotation.empty())
@@ -321,6 +324,9 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   if (time != 0 && model.last_key) {
     LoadedModel posed = load_meshes(path, outside, {time});
     move(placing, posed.meshes);
+    for (std::string& warning : posed.warnings)
+      if (std::find(job.warnings.begin(), job.warnings.end(), warning) == job.warnings.end())
+        job.warnings.push_back(std::move(warning));
     if (has_floor) posed.meshes.push_back(std::move(job.scene.meshes.back()));
     job.scene.meshes = std::move(posed.meshes);
     std::move(posed.materials.begin(), posed.materials.end(), job.scene.materials.begin());  // that of the floor stays

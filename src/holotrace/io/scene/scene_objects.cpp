@@ -40,12 +40,11 @@ struct Bounds {
   }
 };
 
-template <class Geometry>
-Bounds bounds_of(const Geometry& geometry) {
+Bounds bounds_of(const std::vector<Mesh>& meshes, const std::vector<ScenePoint>& points = {}) {
   Bounds bounds;
-  for (const Mesh& mesh : geometry.meshes)
+  for (const Mesh& mesh : meshes)
     for (Vec3 p : mesh.positions) bounds.add(p);
-  for (const ScenePoint& point : geometry.points) bounds.add(point.position);
+  for (const ScenePoint& point : points) bounds.add(point.position);
   return bounds;
 }
 
@@ -87,7 +86,8 @@ void SceneObjects::add_shapes(TomlTable& shapes) {
 
 void SceneObjects::add_object(TomlTable object) {
   Geometry geometry = read_object(object);
-  const Bounds bounds = bounds_of(geometry);
+  const Bounds bounds = bounds_of(geometry.meshes, geometry.points);
+  if (bounds.empty && geometry.is_animated) return;  // hidden at this time
   require(!bounds.empty, "{}expected an object with triangles or points, got an empty one", object.where(""));
   require(
       bounds.low.z != 0 || bounds.high.z != 0,
@@ -158,12 +158,22 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
       if (mesh.material < 0) mesh.material = material;
   }
   object.refuse_unknown_keys();
+  if (local.is_animated && bounds_of(local.meshes, local.points).empty) return local;
   if (!name.empty())
     for (Mesh& mesh : local.meshes) mesh.name = name;
 
-  const Frame size = fit > 0 ? fitting(bounds_of(local), fit, object.where("fit")) : scaling(scale);
+  // An animated model keeps the size and the middle that it has at 0 s.
+  const auto fitted = [&] {
+    if (type == "mesh" && local.is_animated) {
+      PoseTime at = pose_of(object);
+      at.seconds = 0;
+      if (const Bounds at_start = bounds_of(load_model(object, at).loaded.meshes); !at_start.empty) return at_start;
+    }
+    return bounds_of(local.meshes, local.points);
+  };
+  const Frame size = fit > 0 ? fitting(fitted(), fit, object.where("fit")) : scaling(scale);
   check_growth(object, local, positions.size());
-  Geometry placed;
+  Geometry placed{{}, {}, local.is_animated};
   for (Vec3 place : positions) {
     Frame frame = compose(rotation, size);
     frame.origin += place - Vec3{0, 0, distance};
@@ -216,6 +226,7 @@ SceneObjects::Geometry SceneObjects::read_parts(const std::string& shape) {
     Geometry geometry = read_object(part);
     std::move(geometry.meshes.begin(), geometry.meshes.end(), std::back_inserter(whole.meshes));
     whole.points.insert(whole.points.end(), geometry.points.begin(), geometry.points.end());
+    whole.is_animated = whole.is_animated || geometry.is_animated;
   }
   return whole;
 }
@@ -225,12 +236,16 @@ void SceneObjects::check_unused_shapes() {
     if (!used_shapes_.contains(name)) read_parts(name);
 }
 
-SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
-  const std::string file = read_file_name(object, "file");
+PoseTime SceneObjects::pose_of(TomlTable& object) {
   PoseTime at{object.time()->now};
   object.text("animation", at.animation);
   object.instant("animation_time", at.seconds, range::any);
   object.flag("animation_repeats", at.repeats);
+  return at;
+}
+
+SceneObjects::Model& SceneObjects::load_model(TomlTable& object, const PoseTime& at) {
+  const std::string file = read_file_name(object, "file");
   const std::tuple key(file, at.seconds, at.animation, at.repeats);
   if (!models_.contains(key)) {
     object.locate("file", [&] { models_[key].loaded = load_meshes(file, outside_, at); });
@@ -238,15 +253,23 @@ SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
       if (std::find(job_.warnings.begin(), job_.warnings.end(), warning) == job_.warnings.end())
         job_.warnings.push_back(warning);
   }
-  Model& model = models_[key];
-  if (model.loaded.last_key && !object.has("animation_time")) object.time()->note(*model.loaded.last_key);
+  return models_[key];
+}
+
+SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
+  Model& model = load_model(object, pose_of(object));
+  const bool is_animated = model.loaded.last_key.has_value();
+  for (const char* key : {"animation_time", "animation_repeats"})
+    require(is_animated || !object.has(key),
+            "{}expected a model with an animation for \"{}\", got one without; leave it out", object.where(key), key);
+  if (is_animated && !object.has("animation_time")) object.time()->note(*model.loaded.last_key);
   const bool has_own_material = object.has("material");
   if (!has_own_material && model.first_material < 0) {
     model.first_material = int(job_.scene.materials.size());
     const auto& materials = model.loaded.materials;
     job_.scene.materials.insert(job_.scene.materials.end(), materials.begin(), materials.end());
   }
-  Geometry geometry{model.loaded.meshes, {}};
+  Geometry geometry{model.loaded.meshes, {}, is_animated};
   for (Mesh& mesh : geometry.meshes) {
     mesh.material = has_own_material ? -1 : mesh.material + model.first_material;
     if (has_own_material) mesh.colours.clear();

@@ -35,6 +35,12 @@ class SceneObjects {
   struct Geometry {
     std::vector<Mesh> meshes;
     std::vector<ScenePoint> points;
+    bool is_animated = false;  // parts of it may be hidden at this time
+  };
+
+  struct Model {
+    LoadedModel loaded;
+    int first_material = -1;  // index of its first material in the scene; -1: not added yet
   };
 
   Geometry read_object(TomlTable& object);
@@ -43,13 +49,10 @@ class SceneObjects {
   Geometry read_shape(TomlTable& object);
   Geometry read_parts(const std::string& shape);
   Geometry read_mesh_file(TomlTable& object);
+  Model& load_model(TomlTable& object, const PoseTime& at);
+  PoseTime pose_of(TomlTable& object);
   int read_material_name(TomlTable& object);
   std::string read_file_name(TomlTable& object, const char* key);
-
-  struct Model {
-    LoadedModel loaded;
-    int first_material = -1;  // index of its first material in the scene; -1: not added yet
-  };
 
   Job& job_;
   Outside outside_;

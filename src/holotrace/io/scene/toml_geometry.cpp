@@ -87,10 +87,18 @@ Vec3 TomlTable::read_direction(const char* key, const toml::node& node) const {
 
 void TomlTable::direction(const char* key, Vec3& value) {
   if (!has(key)) return;
-  interpolate(key, value, [&](const toml::node& node) { return read_direction(key, node); });
+  const auto* keys = table_->get_as<toml::table>(key);
+  const bool is_stepped = keys && (*keys)["interpolation"].value_or(std::string()) == "step";
+  std::optional<Vec3> before;  // between opposite directions a straight line has no direction
+  interpolate(key, value, [&](const toml::node& node) {
+    const Vec3 read = read_direction(key, node);
+    require(is_stepped || !before || dot(*before, read) > -1 + 1e-9,
+            "{}expected directions less than 180 deg apart for \"{}\", got opposite ones; add a key between",
+            place(node.source()), key);
+    before = read;
+    return read;
+  });
   const double size = std::hypot(value.x, value.y, value.z);
-  require(size > 1e-6, "{}expected directions less than 180 deg apart for \"{}\", got opposite ones; add a key between",
-          where(key), key);
   value = value / size;
 }
 

@@ -180,6 +180,16 @@ void check_last(const Hologram& last, const Hologram& next) {
       format_length(next.wavelength), format_length(last.wavelength));
 }
 
+// A display goes on showing the last picture's frames but the first: they move up by one place.
+void keep_shown_frames(const std::vector<Hologram>& last, std::vector<Hologram>& frames) {
+  for (size_t m = 0; m + 1 < std::min(frames.size(), last.size()); ++m) {
+    check_last(last[m + 1], frames[m]);
+    frames[m].level = last[m + 1].level;
+    frames[m].modulus_level = last[m + 1].modulus_level;
+    frames[m].illumination = last[m + 1].illumination;
+  }
+}
+
 // Levels of the last picture in place of a start. Rolling frames move up by one place, and the first becomes the last.
 DescentStart go_on_from(const std::vector<Hologram>& last, const EncodeParams& params, std::vector<Hologram>& frames) {
   require(params.method == Encoding::sgd, "expected the method sgd for a start from the last holograms, got \"{}\"",
@@ -269,6 +279,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
       write_start(start_pattern(blank, params, hologram.modulation), levels, hologram);
       hologram.illumination = 0;
     }
+    if (!last.empty() && params.is_rolling) keep_shown_frames(last, holograms);
     return holograms;
   }
   if (last.empty() || !find_next(targets, known, params, observer, holograms, last, links)) {

@@ -185,6 +185,23 @@ TEST(RollingFrames, AreAsGoodInAnyWindowAsFramesFoundTogether) {
   }
 }
 
+// Light that goes out takes the frames that are shown already with it one by one.
+TEST(RollingFrames, StayWhenThePictureIsDark) {
+  const Slm slm = make_panel(96, 64);
+  EncodeParams params = iterations_of_still(10);
+  TargetSet targets = picture_at(0, slm, {0.01});
+  const std::vector<Hologram> window = encode_frames(targets, test_wavelength, 3, slm, params);
+  params.is_rolling = true;
+  for (TargetPlane& plane : targets.planes)
+    std::fill(plane.amplitude.values.begin(), plane.amplitude.values.end(), 0.0F);
+  const std::vector<Hologram> next = encode_frames(targets, test_wavelength, 3, slm, params, {}, {}, nullptr, window);
+  for (size_t m = 0; m < 2; ++m) {
+    EXPECT_EQ(next[m].level.values, window[m + 1].level.values) << m;
+    EXPECT_EQ(next[m].illumination, window[m + 1].illumination) << m;
+  }
+  EXPECT_EQ(next[2].illumination, 0);
+}
+
 // Of a moving picture the frames of a window belong to several pictures. Its error is above that of frames found together for
 // the last picture, but far below that of the old frames.
 TEST(RollingFrames, FollowAMovingPicture) {

@@ -167,9 +167,11 @@ void FrameDescent::set_step(double radians) {
 // The schedule from a near start: levels whose error is larger must move farther. Measured in docs/explanation/encoders.md.
 void FrameDescent::fit_to_first_loss() {
   const double loss = losses_.front();
-  if (params_.step == 0) set_step(sgd_next_step * std::sqrt(loss));
+  if (params_.step == 0) set_step(std::min(sgd_step, sgd_next_step * std::sqrt(loss)));
   const int most = iterations_of(params_), least = std::min(next_iterations_of(params_), most);
-  if (params_.next_iterations == 0) iterations_ = std::clamp(int(std::lround(most * loss / sgd_far_loss)), least, most);
+  if (params_.next_iterations > 0) return;
+  const double wanted = most * loss / sgd_far_loss;  // beyond all bounds for frames that show quite another picture
+  iterations_ = wanted < most ? std::max(int(std::lround(wanted)), least) : most;
 }
 
 // Updates until each plane of each colour has had its turn.

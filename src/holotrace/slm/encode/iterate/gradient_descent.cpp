@@ -214,7 +214,8 @@ IterationState descent_job(const TargetSet& targets, const DescentSetup& setup, 
   BasicWriter<FnvHash> hash;
   hash(std::string(HOLOTRACE_VERSION), schedule, panel, iterations_of(params), stop_width(params),
        params.step > 0 || start.is_near ? params.step : sgd_step, params.least_gain, params.planes_per_update,
-       params.subpixels, params.seed, start.is_near, uint64_t(start.fixed), targets.planes, targets.views);
+       params.subpixels, params.seed, start.is_near, start.is_near ? params.next_iterations : 0, uint64_t(start.fixed),
+       targets.planes, targets.views);
   if (targets.draw_views)
     for (const double wavelength : wavelengths_of(targets)) hash(targets.draw_views(0, wavelength));
   for (const Hologram& frame : frames)
