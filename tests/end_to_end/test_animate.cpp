@@ -74,6 +74,31 @@ TEST(Animate, EachTimeHasTheBytesOfAFreshRun) {
   EXPECT_EQ(report.at("complete"), true);
 }
 
+// A lamp goes out, and an object leaves the view: such times are dark, and the film goes on.
+TEST(Animate, DarkTimesAreDark) {
+  const Workplace work;
+  const std::string scene =
+      scene_head(small_panel) +
+      "[render]\nrows = 16\npaths = 2\n[camera]\ndistances = \"30 mm\"\n[animate]\nfps = 2\n[[light]]\ntype = \"point\"\n"
+      "position = \"0 0 1 mm\"\nintensity = { \"0 s\" = 1, \"1 s\" = 0 }\n[[object]]\ntype = \"quad\"\nwidth = \"0.5 mm\"\n"
+      "height = \"0.5 mm\"\nposition = { \"1 s\" = \"0 0 -30 mm\", \"2 s\" = \"90 0 -30 mm\" }\n";
+  for (const std::string method : {"phase", "sgd"}) {
+    work.write("scene.toml", scene + "[encode]\nmethod = \"" + method + "\"\niterations = 2\n");
+    const Outcome outcome = work.run({"animate", "scene.toml", "-o", method, "--times", "0.5, 1, 2 s"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(lines_of(work.read(method + "/timing.csv")).size(), 4U);
+    EXPECT_NE(lines_of(work.read(method + "/timing.csv"))[2].find(",0,,t_0002/hologram.png"), std::string::npos);
+    EXPECT_NE(lines_of(work.read(method + "/timing.csv"))[3].find(",0,,t_0003/hologram.png"), std::string::npos);
+    EXPECT_EQ(lines_of(work.read(method + "/timing.csv"))[1].find(",0,,t_0001/hologram.png"), std::string::npos);
+    EXPECT_NE(outcome.err.find("dark"), std::string::npos);
+  }
+  // A still without light is an error that says so.
+  EXPECT_NE(work.run({"run", "scene.toml", "-o", "still", "--method", "phase", "--set", "light.1.intensity=0", "--set",
+                      "object.1.position=0 0 -30 mm"})
+                .exit_code,
+            0);
+}
+
 // After 0.4 s the cube rests: the times 0.4 and 0.6 s have the same job.
 TEST(Animate, TimesThatAreEqualAreComputedOnce) {
   const Workplace work;

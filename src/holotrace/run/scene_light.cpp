@@ -17,9 +17,11 @@
 namespace holotrace {
 namespace {
 
-std::vector<Field> fields_of_triangles(const std::vector<Triangles>& sets, uint32_t frame, const Grid& panel,
+std::vector<Field> fields_of_triangles(const SceneLight& light, uint32_t frame, const Grid& panel,
                                        const SynthesizeParams& params, const Observer& observer) {
-  require(std::any_of(sets.begin(), sets.end(), [](const Triangles& set) { return !set.triangles.empty(); }),
+  const std::vector<Triangles>& sets = light.triangles;
+  require(light.may_be_dark ||
+              std::any_of(sets.begin(), sets.end(), [](const Triangles& set) { return !set.triangles.empty(); }),
           "expected at least one luminous triangle, got none; is the scene lit and in view?");
   std::vector<Field> fields;
   for (size_t i = 0; i < sets.size(); ++i) {
@@ -62,7 +64,7 @@ std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const G
     return fields;
   }
   if (!light.triangles.empty()) {
-    for (Field& field : fields_of_triangles(light.triangles, frame, panel, params, observer))
+    for (Field& field : fields_of_triangles(light, frame, panel, params, observer))
       fields.emplace_back(std::move(field));
     return fields;
   }
@@ -70,13 +72,13 @@ std::vector<AnyField> fields_of(const SceneLight& light, uint32_t frame, const G
   require(params.method != SynthesisMethod::triangles,
           "expected a scene or a mesh for the method triangles, which needs surfaces, got waves; use another "
           "method, or the scene that they were traced from");
-  const bool has_waves =
-      std::any_of(sources.begin(), sources.end(), [](const Sources& set) { return !set.waves.empty(); });
+  const bool is_dark_allowed = light.may_be_dark || std::any_of(sources.begin(), sources.end(),
+                                                                [](const Sources& set) { return !set.waves.empty(); });
   for (size_t i = 0; i < sources.size(); ++i) {
     Observer part = observer;
     part.on_progress = [&, i](double fraction) { observer.progress((double(i) + fraction) / double(sources.size())); };
     const std::shared_ptr<const Sources> set = sources_of_frame(sources[i], frame);
-    if (set->waves.empty() && has_waves)
+    if (set->waves.empty() && is_dark_allowed)
       fields.emplace_back(dark_field(panel, *set));
     else
       fields.push_back(sum(set, part));
@@ -107,6 +109,7 @@ bool SceneLight::is_dark(size_t set) const {
 
 SceneLight trace_light(const Job& job, const Observer& observer) {
   SceneLight light;
+  light.may_be_dark = job.last_key.has_value();
   if (job.synthesize.method == SynthesisMethod::triangles) {
     light.triangles = shade_triangles(job.scene, job.slm.grid, job.wavelengths, job.trace, job.synthesize.shading,
                                       job.synthesize.triangle_phase, observer);

@@ -19,6 +19,7 @@ struct SceneLight {
   std::vector<Sources> sources;              ///< one per set
   std::vector<std::vector<Field>> gathered;  ///< [set][frame]
   std::vector<Triangles> triangles{};        ///< one per set
+  bool may_be_dark = false;  ///< whether all sets may be dark, as at times of a film; else that is an error
 
   size_t sets() const { return sources.size() + gathered.size() + triangles.size(); }
   double wavelength(size_t set) const;  ///< [m]

@@ -47,7 +47,8 @@ double depth_of_scene(const Job& job);
 /// apart, but no more than `encode.planes`; the planes that the camera looks at come in addition. Light for all that look has
 /// planes one depth of focus beyond the scene at both ends; for eyes, whose depth of focus is larger than most scenes, these
 /// would cost more than they gain (docs/explanation/encoders.md). In increasing order.
-/// @throws Error  for a scene without anything in the panel's window
+/// Where nothing is in the panel's window at a time of a film, they are those of the camera.
+/// @throws Error  for another scene without anything in the panel's window
 std::vector<double> target_distances_of(const Job& job);
 
 /// Warns if neighbouring planes that the job gives are more than 1.5 depths of focus apart: light between them is not

@@ -131,6 +131,7 @@ std::shared_ptr<const Contents> LiveScene::of_waves(Job job, const CameraParams&
   if (is_draft) job = as_draft(std::move(job));
   if (has_eye(camera)) job.trace.frames = 1;  // further ones would be equal
   SceneLight light = trace_light(job, observer);
+  light.may_be_dark = true;  // lamps may be put out
   if (has_eye(camera)) converge_to(camera.eye, light.sources);
   auto contents = std::make_shared<Contents>();
   contents->kind = "scene";
