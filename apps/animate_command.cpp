@@ -72,7 +72,7 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
         "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave "
         "it out");
     const std::vector<std::string> films = film_paths(o->folder, plan.format);
-    if (has_animation_ending(films.front())) check_animation(films.front());
+    if (has_animation_ending(films.front())) check_animation(films.front(), plan.fps);
     make_folder(o->folder);
     const FolderLock lock(o->folder);
     for (const std::string& path : films) note_output(path);

@@ -68,6 +68,16 @@ TEST(Film, PlaysForward) {
             "expected pictures of 8 × 8 pixels to animate as " + path + ", got one of 9 × 8");
 }
 
+// A GIF has hundredths of a second, and shows pictures for two of them or more; a WebP has thousandths.
+TEST(Film, FasterThanItsFormatIsAnError) {
+  for (const auto& [ending, most] : {std::pair(".gif", 50.0), std::pair(".webp", 1000.0)}) {
+    const std::string path = temporary(std::string("bars") + ending);
+    EXPECT_NO_THROW(check_animation(path, most));
+    EXPECT_NE(error_of([&] { check_animation(path, most * 1.01); }).find("use MP4, WebM or a series of pictures"),
+              std::string::npos);
+  }
+}
+
 // 24 pictures per second last 4 or 5 hundredths each, and a second together.
 TEST(Film, RoundedDurationsAddUp) {
   const Frames frames{1, 1, 24, {}, {}, 1.0 / 24};

@@ -46,10 +46,15 @@ bool has_animation_ending(const std::string& path) {
   return std::find(animation_endings.begin(), animation_endings.end(), extension_of(path)) != animation_endings.end();
 }
 
-void check_animation(const std::string& path) {
+void check_animation(const std::string& path, double fps) {
   require(has_animation_ending(path), "expected an animated file {}, got {}; change its extension",
           fmt::join(animation_endings, " or "), path);
-  if (extension_of(path) != ".gif" && extension_of(path) != ".webp") check_film(path);
+  const std::string ending = extension_of(path);
+  if (ending != ".gif" && ending != ".webp") return check_film(path);
+  const double most = ending == ".gif" ? 50 : 1000;
+  require(fps <= most,
+          "{}: expected at most {} pictures per second in a {} file, got {:g}; use MP4, WebM or a series of pictures",
+          path, most, ending, fps);
 }
 
 bool is_series_name(const std::string& path) {
@@ -125,7 +130,7 @@ void save_animation(const std::string& path, const std::vector<Image>& images, d
 }
 
 void save_film(const std::string& path, const FilmPictures& film, double fps) {
-  check_animation(path);
+  check_animation(path, fps);
   require(film.count >= 1, "expected 1 picture or more for the film {}, got none", path);
   require(std::isfinite(fps) && fps > 0, "expected a film of more than 0 pictures per second for {}, got {}", path,
           fps);

@@ -46,9 +46,11 @@ struct FilmPictures {
 /// @throws Error  for no pictures, different sizes, another ending, and as save_animation
 void save_film(const std::string& path, const FilmPictures& film, double fps);
 
-/// Checks, before the work, that an animation can be written. @throws Error for another ending, and if it needs ffmpeg
-/// and none is installed that can write it
-void check_animation(const std::string& path);
+/// Checks, before the work, that an animation can be written.
+/// @param fps     pictures per second of a film; 0: slow enough
+/// @throws Error  for another ending, for more pictures per second than the format has (GIF 50, WebP 1000), and if it needs ffmpeg
+///                and none is installed that can write it
+void check_animation(const std::string& path, double fps = 0);
 
 /// A series is named by two or more "#" in place of its digits: view_####.png for view_0001.png, view_0002.png, …
 bool is_series_name(const std::string& path);

@@ -15,6 +15,14 @@ using OrderedJson = nlohmann::ordered_json;
 
 std::string folder_name(const TimeOfFilm& time) { return std::filesystem::path(time.folder).filename().string(); }
 
+// A text as a value of a CSV table: lamps and path groups have the names that users give them.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
 }  // namespace
 
 TimeOfFilm read_film_time(const std::string& folder, double seconds) {
@@ -40,7 +48,7 @@ void write_timing(const std::string& path, const std::vector<TimeOfFilm>& times,
       text += fmt::format("{:.10g},{:.10g},{:.10g},{},{:.10g},{},{:.10g},{},{}/{}\n",
                           (double(i) + double(k) / count) / fps, 1 / fps / count, times[i].seconds, one.frame + 1,
                           fmt::join(nanometres, " "), one.levels == 2 ? fmt::format("{}", k + 1) : "", one.illumination,
-                          one.light, folder_name(times[i]), one.file);
+                          quoted(one.light), folder_name(times[i]), one.file);
     }
   }
   write_text(path, text);
