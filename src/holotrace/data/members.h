@@ -181,8 +181,10 @@ void members(Archive& archive, MetallicRoughnessMaterial& part) {
 }
 template <class Archive>
 void members(Archive& archive, Material& part) {
-  auto& [surface, emission, emission_texture, normal_map, normal_scale, two_sided] = part;
-  archive(surface, emission, emission_texture, normal_map, normal_scale, two_sided);
+  auto& [surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
+         two_sided] = part;
+  archive(surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
+          two_sided);
 }
 template <class Archive>
 void members(Archive& archive, Mesh& part) {

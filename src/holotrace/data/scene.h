@@ -56,6 +56,11 @@ struct Material {
   std::shared_ptr<const Image> emission_texture{};  ///< multiplies emission (linear light)
   std::shared_ptr<const Image> normal_map{};  ///< tangent space, as in glTF: red to +u, green to +v, [0, 1] for [−1, 1]
   double normal_scale = 1;                    ///< factor for the x and y of the map
+  /// Part of the rays that the surface stops, in [0, 1]. Others go straight through it, as if it were not there: leaves and
+  /// fences as pictures on flat surfaces, gauze, thin smoke. Which ones is drawn by a hash of the ray.
+  double opacity = 1;
+  std::shared_ptr<const Image> opacity_texture{};  ///< one channel; multiplies opacity
+  double opacity_cutoff = 0;                       ///< above 0: opacities from here on are 1, others 0 (a mask)
   /// One-sided surfaces are black from behind: triangles are counter-clockwise as seen from their front. The back of a
   /// solid dielectric is its inside and is never black.
   bool two_sided = true;

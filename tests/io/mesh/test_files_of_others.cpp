@@ -172,20 +172,48 @@ TEST(FilesOfOthers, MapsOfRoughnessAndMetalAreShown) {
   }
 }
 
+// "d" counts more than "Tr", which some programs write the wrong way round. A picture's alpha is its opacity; without alpha, its first
+// channel is, or with map_Tr what is left of it.
+TEST(FilesOfOthers, OpacityIsReadFromMaterialsOfObj) {
+  const auto material = [](const std::string& lines) {
+    const LoadedModel model = obj(std::string("mtllib m.mtl\n") + square + "usemtl a\n" + face, "newmtl a\n" + lines);
+    return model.materials.at(size_t(model.meshes.at(0).material));
+  };
+  EXPECT_EQ(material("d 0.25\n").opacity, 0.25);
+  EXPECT_EQ(material("Tr 0.25\n").opacity, 0.75);
+  EXPECT_EQ(material("d 1\nTr 1\n").opacity, 1);
+  EXPECT_EQ(material("Tr 1\nd 1\n").opacity, 1);
+  EXPECT_EQ(material("d 7\n").opacity, 1);
+  EXPECT_EQ(material("Kd 1 1 1\n").opacity, 1);
+  // Truevision TGA of two pixels: blue, green, red, alpha; and of two grey ones.
+  const auto tga = [](char type, char bits, char alpha) {
+    std::string header(18, '\0');
+    header[2] = type, header[12] = 2, header[14] = 1, header[16] = bits, header[17] = char(0x20 | alpha);
+    return header;
+  };
+  const std::string grey = "\x33\xff";
+  make_file("leaf.tga", tga(2, 32, 8) + std::string("\0\0\xff\x33\0\0\x66\xff", 8));
+  make_file("mask.tga", tga(3, 8, 0) + grey);
+  const auto opacities = [&](const std::string& lines) {
+    return material(lines).opacity_texture ? material(lines).opacity_texture->values : std::vector<float>();
+  };
+  EXPECT_EQ(opacities("map_d leaf.tga\n"), (std::vector<float>{0.2F, 1}));
+  EXPECT_EQ(opacities("map_d mask.tga\n"), (std::vector<float>{0.2F, 1}));
+  EXPECT_EQ(opacities("map_Tr mask.tga\n"), (std::vector<float>{1 - 0.2F, 0}));
+  EXPECT_EQ(material("d 0\nmap_d mask.tga\n").opacity, 1);  // the picture alone is meant
+}
+
 TEST(FilesOfOthers, WhatIsNotShownIsNamedAndHarmlessKeysAreNot) {
   const auto model = [](const std::string& line) {
     return obj(std::string("mtllib m.mtl\n") + square + "usemtl a\n" + face, "newmtl a\n" + line + "\n");
   };
   for (const auto& [line, words] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"map_d mask.png", "has a map of its opacity (map_d); it is shown opaque"},
            {"map_Ks s.png", "has a map of its highlight"},
            {"map_Ns s.png", "has a map of its highlight"},
            {"disp d.png", "displacement"},
            {"refl -type sphere s.png", "reflection map"},
            {"Ps 0.5", "sheen"},
            {"Pc 1", "clear coat"},
-           {"d 0.5", "is transparent; it is shown opaque"},
-           {"Tr 0.5", "is transparent; it is shown opaque"},
            {"map_Kd -t 1 1 1 t.png", "turbulence"},
            {"colour 1 2 3", "m.mtl:2: the unknown key \"colour\" is ignored"}})
     EXPECT_TRUE(has_warning(model(line), words)) << line;

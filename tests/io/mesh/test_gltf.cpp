@@ -253,6 +253,22 @@ TEST(Gltf, AnUnlitSurfaceShinesInItsColour) {
   EXPECT_EQ(std::get<DiffuseMaterial>(unlit.surface).reflectance, (Vec3{0, 0, 0}));
 }
 
+TEST(Gltf, AlphaIsTheOpacityOfMasksAndBlends) {
+  const auto material = [](const char* mode, const char* more) {
+    GltfTriangle triangle;
+    triangle.materials =
+        std::string(R"([{"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.3]})") + mode + more + "}]";
+    return load(triangle).materials.at(0);
+  };
+  EXPECT_EQ(material("", "").opacity, 1);
+  EXPECT_EQ(material(R"(, "alphaMode": "OPAQUE")", "").opacity, 1);
+  EXPECT_EQ(material(R"(, "alphaMode": "BLEND")", "").opacity, 0.3);
+  EXPECT_EQ(material(R"(, "alphaMode": "BLEND")", "").opacity_cutoff, 0);
+  EXPECT_EQ(material(R"(, "alphaMode": "MASK")", "").opacity_cutoff, 0.5);
+  EXPECT_EQ(material(R"(, "alphaMode": "MASK")", R"(, "alphaCutoff": 0.2)").opacity_cutoff, 0.2);
+  EXPECT_EQ(material(R"(, "alphaMode": "MASK")", "").opacity, 0.3);
+}
+
 TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
   GltfTriangle triangle;
   triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
@@ -261,11 +277,8 @@ TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
   triangle.more = R"("extensionsUsed": ["KHR_lights_punctual", "KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"],
     "animations": [{"channels": [], "samplers": []}], "cameras": [{"type": "perspective"}], "skins": [{"joints": [0]}], )";
   const LoadedModel model = load(triangle);
-  std::vector<std::string> expected{"material \"a\" has an alpha mask; it is ignored",
-                                    "material \"a\" has the extension KHR_materials_clearcoat; it is ignored",
-                                    "material \"c\" is transparent; it is shown opaque",
-                                    "cameras are ignored",
-                                    "the model's lights are ignored; place them in the scene",
+  std::vector<std::string> expected{"material \"a\" has the extension KHR_materials_clearcoat; it is ignored",
+                                    "cameras are ignored", "the model's lights are ignored; place them in the scene",
                                     "the extension EXT_mesh_gpu_instancing is ignored"};
   const std::string path = test::temporary("m.gltf");
   for (std::string& sentence : expected) sentence = path + ": " + sentence;

@@ -59,16 +59,15 @@ constexpr const char* instance =
     R"(<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s" target="#m"/>
 </technique_common></bind_material></instance_geometry>)";
 
-TEST(OtherFormats, TransparencyIsNamed) {
+TEST(OtherFormats, TransparencyIsRead) {
   std::string text = collada(std::string("<node>") + instance + "</node>");
-  const auto warnings = [](const std::string& t) { return load_meshes(make_file("m.dae", t)).warnings; };
-  EXPECT_TRUE(warnings(text).empty());
+  const auto opacity = [](const std::string& t) { return load_meshes(make_file("m.dae", t)).materials.at(0).opacity; };
+  EXPECT_EQ(opacity(text), 1);
   const std::string end = "</diffuse>";
   text.insert(
       text.find(end) + end.size(),
       "<transparent opaque=\"A_ONE\"><color>1 1 1 1</color></transparent><transparency><float>0.5</float></transparency>");
-  ASSERT_EQ(warnings(text).size(), 1u);
-  EXPECT_NE(warnings(text)[0].find("is transparent; it is shown opaque"), std::string::npos) << warnings(text)[0];
+  EXPECT_EQ(opacity(text), 0.5);
 }
 
 // A triangle bound to a joint, whose inverse bind matrix moves it by −5: p' = (joint)·(inverse bind)·p. The node that shows
@@ -220,12 +219,11 @@ TEST(OtherFormats, FbxHasItsColourPlaceAndMaps) {
   expect_only_warning(painted, "material \"paint\" has a texture of its bumps; it is ignored");
 }
 
-TEST(OtherFormats, TransparencyOfFbxIsNamed) {
+TEST(OtherFormats, TransparencyOfFbxIsRead) {
   for (const char* paint : {"   P: \"Opacity\", \"double\", \"Number\", \"\",0.5\n",
                             "   P: \"TransparentColor\", \"Color\", \"\", \"A\",1,1,1\n"
                             "   P: \"TransparencyFactor\", \"Number\", \"\", \"A\",0.5\n"})
-    expect_only_warning(load_meshes(make_file("m.fbx", fbx(paint))),
-                        "material \"paint\" is transparent; it is shown opaque");
+    EXPECT_EQ(load_meshes(make_file("m.fbx", fbx(paint))).materials.at(0).opacity, 0.5);
 }
 
 // The joint stood at (5, 0, 0) when the mesh, at (100, 0, 0), was bound to it (the file keeps their difference), and
@@ -278,10 +276,9 @@ TEST(OtherFormats, ThreeDsHasItsColourAndMaps) {
   expect_only_warning(painted, "material \"paint\" has a texture of its bumps; it is ignored");
 }
 
-TEST(OtherFormats, TransparencyOfThreeDsIsNamed) {
+TEST(OtherFormats, TransparencyOfThreeDsIsRead) {
   EXPECT_TRUE(load_meshes(make_file("m.3ds", three_ds(chunk(0xA050, percent(0))))).warnings.empty());
-  expect_only_warning(load_meshes(make_file("m.3ds", three_ds(chunk(0xA050, percent(40))))),
-                      "material \"paint\" is transparent; it is shown opaque");
+  EXPECT_NEAR(load_meshes(make_file("m.3ds", three_ds(chunk(0xA050, percent(40))))).materials.at(0).opacity, 0.6, 1e-6);
 }
 
 TEST(OtherFormats, DamageIsAnErrorThatNamesTheFile) {

@@ -348,5 +348,75 @@ TEST(Accelerator, RefusesWhatItCannotTrace) {
             "expected meshes that fill some space, got all vertices in one place");
 }
 
+// A wall of opacity 0.3 before an opaque one, in each structure and asked together or one by one. Of n rays, 0.3·n ± 4·√(0.21·n) stop at
+// the first.
+TEST(Accelerator, ASurfaceStopsAsManyRaysAsItsOpacitySays) {
+  Scene scene;
+  scene.materials = {grey(0.5), grey(0.5)};
+  scene.materials[1].opacity = 0.3;
+  scene.meshes = {make_wall(-0.3, 50_mm, 50_mm), make_wall(-0.2, 50_mm, 50_mm, 1)};
+  Scene many = scene;  // more than FewTriangles has
+  many.meshes.push_back(make_round_mesh({0, 0, 0.5}, 10_mm, 16));
+  const auto few_and_many = std::array{&scene, &many};
+  for (const Scene* one : few_and_many)
+    for (const Acceleration kind : {Acceleration::embree, Acceleration::grid}) {
+      const Accelerator accelerator(*one, kind);
+      CounterRandom random(7, 0, 0);
+      int stopped = 0, rays = 0;
+      for (int trial = 0; trial < 500; ++trial) {
+        LaneVectors origin, direction;
+        for (size_t i = 0; i < most_together; ++i) {
+          origin.set(i, {});
+          direction.set(i, normalize({0.2 * (random.uniform() - 0.5), 0.2 * (random.uniform() - 0.5), -1}));
+        }
+        std::array<Hit, most_together> hits;
+        Lane between, beyond;
+        between.fill(0.25), beyond.fill(0.4);
+        constexpr uint32_t all = (1U << most_together) - 1;
+        const Lane without_end = [] {
+          Lane lane;
+          lane.fill(std::numeric_limits<double>::infinity());
+          return lane;
+        }();
+        EXPECT_EQ(accelerator.closest_hits({origin, direction, without_end}, all, Aim::random, true, hits), all);
+        const uint32_t occluded = accelerator.occluded({origin, direction, between}, all, Aim::random, true);
+        EXPECT_EQ(accelerator.occluded({origin, direction, beyond}, all, Aim::random, true), all);
+        for (size_t i = 0; i < most_together; ++i) {
+          const Ray ray{origin[i], direction[i]};
+          const bool is_first = hits[i].point.mesh == 1;
+          stopped += is_first;
+          ++rays;
+          EXPECT_NEAR(hits[i].distance * -ray.direction.z, is_first ? 0.2 : 0.3, 1e-9);
+          EXPECT_EQ(occluded >> i & 1, uint32_t(is_first));
+          EXPECT_EQ(accelerator.is_occluded(ray, 0.25), is_first);
+          const auto alone = accelerator.closest_hit(ray);
+          ASSERT_TRUE(alone);
+          EXPECT_EQ(alone->point.mesh, hits[i].point.mesh);
+          EXPECT_NEAR(alone->distance, hits[i].distance, 1e-12);
+        }
+      }
+      EXPECT_NEAR(stopped, 0.3 * rays, 4 * std::sqrt(0.21 * rays));
+    }
+}
+
+// The left half of the picture is 0.4, the right half 0.6; a cutoff of 0.5 makes them 0 and 1. Bilinear filtering blends the middle.
+TEST(Accelerator, AMaskHasSharpEdges) {
+  auto picture = std::make_shared<Image>(1, 2, 1);
+  picture->values = {0.4F, 0.6F};
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.materials[0].opacity_texture = picture;
+  scene.materials[0].opacity_cutoff = 0.5;
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  const Accelerator accelerator(scene);
+  for (int i = -90; i < 90; ++i) {
+    if (std::abs(i) < 2 || std::abs(i) > 88) continue;  // the borders of the picture repeat it
+    const double x = i * 1e-4 + 3e-5;
+    const bool is_right = x > 0;
+    // Between the middles of both pixels, x = ±5 mm, the opacity rises through 0.5 at 0; outside it falls back to 0.5 at the border.
+    EXPECT_EQ(accelerator.closest_hit({{}, normalize({x, 0.0, -0.3})}).has_value(), is_right) << x;
+  }
+}
+
 }  // namespace
 }  // namespace holotrace

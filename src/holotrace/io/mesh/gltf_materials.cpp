@@ -44,7 +44,7 @@ class Materials {
         "{}: expected emissive factors of 0 or more in material \"{}\"", gltf_.path, name_);
     material.normal_map = texture(source, "normalTexture", ImageContent::data);
     material.normal_scale = member(source, "normalTexture").value("scale", 1.0);
-    warn_of_alpha(source, core);
+    read_opacity(source, core, material);
 
     const double index = member(extensions, "KHR_materials_ior").value("ior", 1.5);
     const Json& transmission = member(extensions, "KHR_materials_transmission");
@@ -65,6 +65,8 @@ class Materials {
   }
 
  private:
+  static constexpr double least_cutoff = 1e-9;  // a cutoff of 0 shows all but is a mask, too
+
   void warn(const std::string& feature, const std::string& what) {
     warn_(feature, fmt::format("material \"{}\" {}", name_, what));
   }
@@ -161,12 +163,14 @@ class Materials {
     return surface;
   }
 
-  void warn_of_alpha(const Json& source, const Json& core) {
+  // OPAQUE, MASK (with its cutoff) or BLEND: the alpha of the base colour.
+  void read_opacity(const Json& source, const Json& core, Material& material) {
     const std::string mode = source.value("alphaMode", "OPAQUE");
-    if (mode == "MASK") warn("mask", "has an alpha mask; it is ignored");
-    const bool has_alpha = core.contains("baseColorFactor") && core["baseColorFactor"].at(3).get<double>() < 1;
-    if (mode == "BLEND" && (has_alpha || core.contains("baseColorTexture")))
-      warn("see-through", "is transparent; it is shown opaque");
+    if (mode != "MASK" && mode != "BLEND") return;
+    if (core.contains("baseColorFactor")) material.opacity = clip(core["baseColorFactor"].at(3).get<double>());
+    const Texture alpha = texture(core, "baseColorTexture", ImageContent::alpha);
+    if (alpha && is_alpha(*alpha)) material.opacity_texture = alpha;
+    if (mode == "MASK") material.opacity_cutoff = std::max(clip(source.value("alphaCutoff", 0.5)), least_cutoff);
   }
 
   void warn_of_extensions(const Json& extensions) {

@@ -82,7 +82,8 @@ void send_material(const aiMaterial& source, ToParent& out) {
   out.value(to_vec3(diffuse));
   out.value(to_vec3(emission));
   out.text(has_texture ? texture.C_Str() : "");
-  out.value(uint8_t(opacity < 1 || source.GetTextureCount(aiTextureType_OPACITY) > 0));
+  out.value(double(opacity));
+  out.value(uint8_t(source.GetTextureCount(aiTextureType_OPACITY) > 0));
   std::vector<const char*> ignored;
   for (const auto& [type, name] : ignored_textures)
     if (source.GetTextureCount(type) > 0) ignored.push_back(name);
@@ -186,8 +187,9 @@ FileMaterial receive_material(FromChild& from, ModelReader& reader) {
   const std::string name = printable(from.text());
   const Vec3 diffuse = clipped(from.value<Vec3>()), emission = from.value<Vec3>();
   const std::string texture = printable(from.text());
+  const auto opacity = from.value<double>();
   if (from.value<uint8_t>())
-    reader.warn("see-through", fmt::format("material \"{}\" is transparent; it is shown opaque", name));
+    reader.warn("opacity", fmt::format("material \"{}\" has a texture of its opacity; it is ignored", name));
   for (auto n = from.value<size_t>(); n > 0; --n) {
     const std::string ignored = printable(from.text());
     reader.warn(ignored, fmt::format("material \"{}\" has a texture of its {}; it is ignored", name, ignored));
@@ -202,6 +204,7 @@ FileMaterial receive_material(FromChild& from, ModelReader& reader) {
   result.material.surface = DiffuseMaterial{image && diffuse == Vec3{0, 0, 0} ? Vec3{1, 1, 1} : diffuse, image};
   if (is_finite(emission))
     result.material.emission = {std::max(emission.x, 0.0), std::max(emission.y, 0.0), std::max(emission.z, 0.0)};
+  if (opacity >= 0 && opacity < 1) result.material.opacity = opacity;
   return result;
 }
 

@@ -34,9 +34,10 @@ struct Entry {
   std::string name;
   Vec3 diffuse{0.6, 0.6, 0.6}, specular{}, emission{};
   double exponent = 0, index = 1, opacity = 1;
+  bool has_opacity = false;  // by "d", which counts more than "Tr": some programs write the latter the wrong way round
   int illumination = 1;
   std::optional<double> roughness, metallic;
-  Map diffuse_map, emission_map, normal_map, roughness_map, metallic_map;
+  Map diffuse_map, emission_map, normal_map, roughness_map, metallic_map, opacity_map, transparency_map;
 };
 
 // What a key asks for that is not shown, and what happens instead.
@@ -48,9 +49,6 @@ struct NotShown {
 constexpr std::array not_shown{
     NotShown{"bump", "has a bump map; it is ignored; give a normal map by \"norm\""},
     NotShown{"map_bump", "has a bump map; it is ignored; give a normal map by \"norm\""},
-    NotShown{"map_d", "has a map of its opacity (map_d); it is shown opaque"},
-    NotShown{"map_tr", "has a map of its transparency (map_Tr); it is shown opaque"},
-    NotShown{"map_opacity", "has a map of its opacity (map_opacity); it is shown opaque"},
     NotShown{"map_ks", "has a map of its highlight (map_Ks); it is ignored"},
     NotShown{"map_ns", "has a map of its highlight (map_Ns); it is ignored; give a map of roughness by map_Pr"},
     NotShown{"map_ps", "has a map of sheen (map_Ps); it is ignored"},
@@ -109,6 +107,10 @@ class Entries {
       entry.roughness_map = map(line);
     else if (key == "map_pm")
       entry.metallic_map = map(line);
+    else if (key == "map_d" || key == "map_opacity")
+      entry.opacity_map = map(line);
+    else if (key == "map_tr")
+      entry.transparency_map = map(line);
     else
       return false;
     return true;
@@ -128,8 +130,10 @@ class Entries {
       entry.index = number(line);
     } else if (key == "d") {
       entry.opacity = number(line);
+      entry.has_opacity = true;
     } else if (key == "tr") {
-      entry.opacity = 1 - number(line);
+      const double transparency = number(line);
+      if (!entry.has_opacity) entry.opacity = 1 - transparency;
     } else if (key == "illum") {
       entry.illumination = int(std::clamp(number(line), 0.0, 10.0));
     } else if (key == "pr") {
@@ -261,6 +265,16 @@ std::shared_ptr<const Image> metallic_texture_of(const ChannelOf& roughness, con
   return texture;
 }
 
+// The opacity that a picture says by its alpha or, if it has none, by one of its channels.
+std::shared_ptr<const Image> opacity_of(const std::shared_ptr<const Image>& alpha,
+                                        const std::shared_ptr<const Image>& data, int channel, bool is_transparency) {
+  if (!alpha || !data) return nullptr;
+  auto opacity = std::make_shared<Image>(is_alpha(*alpha) ? *alpha : channel_of(*data, channel));
+  if (is_transparency && !is_alpha(*alpha))
+    for (float& value : opacity->values) value = 1 - value;
+  return opacity;
+}
+
 FileMaterial material_of(const Entry& entry, ModelReader& reader) {
   FileMaterial result;
   const auto warn = [&](const std::string& feature, const std::string& what) {
@@ -299,8 +313,13 @@ FileMaterial material_of(const Entry& entry, ModelReader& reader) {
   } else {
     material.surface = DiffuseMaterial{base, base_texture};
   }
-  if (entry.opacity < 1 && !std::holds_alternative<DielectricMaterial>(material.surface))
-    warn("see-through", "is transparent; it is shown opaque");
+  if (!std::holds_alternative<DielectricMaterial>(material.surface)) {
+    const bool is_transparency = entry.opacity_map.file.empty();
+    const Map& map = is_transparency ? entry.transparency_map : entry.opacity_map;
+    material.opacity_texture =
+        opacity_of(texture(map, ImageContent::alpha), texture(map, ImageContent::data), map.channel, is_transparency);
+    material.opacity = material.opacity_texture && clip(entry.opacity) == 0 ? 1 : clip(entry.opacity);
+  }
 
   material.emission_texture = texture(entry.emission_map, ImageContent::colour);
   material.emission = {std::max(entry.emission.x, 0.0), std::max(entry.emission.y, 0.0),

@@ -76,12 +76,37 @@ Image upright(const Image& image, int orientation) {
   return turned;
 }
 
+// The alpha of a picture; a single 1 if it has none.
+Image alpha_of(const Picture& picture, const std::string& name) {
+  const int alpha = picture.channel("A");
+  if (alpha < 0) {
+    Image whole(1, 1, 1);
+    whole.values = {1};
+    return whole;
+  }
+  Image image(picture.rows, picture.columns, 1);
+  std::visit(
+      [&](const auto& samples) {
+        using Sample = typename std::decay_t<decltype(samples)>::value_type;
+        const double one = std::is_integral_v<Sample> ? double(std::numeric_limits<Sample>::max()) : 1;
+        for (size_t i = 0; i < image.values.size(); ++i)
+          image.values[i] = float(double(samples[i * picture.channels.size() + size_t(alpha)]) / one);
+      },
+      picture.samples);
+  for (float& value : image.values) {
+    require(std::isfinite(value), "{}: expected a finite alpha, got {}", name, value);
+    value = std::clamp(value, 0.0F, 1.0F);
+  }
+  return image;
+}
+
 Image image_from(const Picture& picture, const std::string& name, ImageContent content) {
   require(picture.channel("real") < 0 || picture.channel("imag") < 0,
           "{}: expected an image, got a field (channels \"real\" and \"imag\"); give it to a command that "
           "takes a field",
           name);
   const size_t channels = picture.channels.size();
+  if (content == ImageContent::alpha) return upright(alpha_of(picture, name), picture.orientation);
   Image image(picture.rows, picture.columns, channels >= 3 ? 3 : 1);
   image.pitch = pitch_of(picture);
   if (const auto* floats = std::get_if<std::vector<float>>(&picture.samples)) {
@@ -172,6 +197,14 @@ Image decode_image(const void* bytes, size_t size, const std::string& name, Imag
   picture->orientation = 1;
   picture->gamma = 0;
   return image_from(*picture, name, content);
+}
+
+Image channel_of(const Image& image, int channel) {
+  Image one(image.ny, image.nx, 1);
+  one.pitch = image.pitch;
+  for (size_t i = 0; i < one.values.size(); ++i)
+    one.values[i] = image.values[i * size_t(image.channels) + size_t(std::min(channel, image.channels - 1))];
+  return one;
 }
 
 Image with_three_channels(Image image) {

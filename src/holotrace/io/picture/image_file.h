@@ -12,8 +12,14 @@ namespace holotrace {
 
 /// Meaning of the values of an image. 8- and 16-bit values are either colours coded by sRGB (IEC 61966-2-1), or numbers
 /// in [0, 1] that are not decoded, such as the directions of a normal map. Depths are such numbers, too, and need not be
-/// finite.
-enum class ImageContent { colour, data, depth };
+/// finite. Alpha is the channel of that name alone; images without it give a single 1.
+enum class ImageContent { colour, data, depth, alpha };
+
+/// Whether an image that was read as alpha has such a channel.
+inline bool is_alpha(const Image& alpha) { return alpha.values.size() != 1 || alpha.values.front() != 1; }
+
+/// One channel of an image, from 0.
+Image channel_of(const Image& image, int channel);
 
 /// Whether the ending is that of a picture that load_image reads.
 bool has_image_ending(const std::string& path);
@@ -26,7 +32,7 @@ void check_image(const std::string& path, int bits);
 
 /// Reads an image file as linear light: 8- and 16-bit values are decoded from sRGB (or by the exponent that a PNG tells)
 /// to [0, 1] unless they are data; floating-point values (EXR) are not changed. It is turned upright as its file says
-/// (EXIF, TIFF). Alpha is dropped. Grey images have one channel, all others three.
+/// (EXIF, TIFF). Alpha is dropped, unless it is asked for. Grey images have one channel, all others three.
 /// @throws Error naming the file if it is missing, not an image, truncated, a field (channels real
 ///         and imag), or has values that are not finite
 Image load_image(const std::string& path, ImageContent content = ImageContent::colour);

@@ -170,6 +170,13 @@ Texture read_texture(TomlTable& table, const char* key, ImageContent content = I
   return std::make_shared<Image>(std::move(image));
 }
 
+Texture read_opacity(TomlTable& table) {
+  if (!table.has("opacity_texture")) return nullptr;
+  const Image alpha = read_image(table, "opacity_texture", ImageContent::alpha);
+  if (is_alpha(alpha)) return std::make_shared<Image>(alpha);
+  return std::make_shared<Image>(channel_of(read_image(table, "opacity_texture", ImageContent::data), 0));
+}
+
 DiffuseMaterial read_diffuse(TomlTable& table) {
   DiffuseMaterial surface;
   table.colour("reflectance", surface.reflectance, 1);
@@ -248,6 +255,9 @@ Material read_material(TomlTable table) {
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());
   material.normal_map = read_texture(table, "normal_map", ImageContent::data);
   table.number("normal_scale", material.normal_scale, range::not_negative);
+  table.number("opacity", material.opacity, range::fraction);
+  material.opacity_texture = read_opacity(table);
+  table.number("opacity_cutoff", material.opacity_cutoff, range::fraction);
   table.flag("two_sided", material.two_sided);
   table.refuse_unknown_keys();
   return material;

@@ -66,8 +66,8 @@ Frame fitting(const Bounds& bounds, double size, const std::string& where) {
 bool has_texture(const Material& material) {
   const auto* diffuse = std::get_if<DiffuseMaterial>(&material.surface);
   const auto* metallic = std::get_if<MetallicRoughnessMaterial>(&material.surface);
-  return material.emission_texture || material.normal_map || (diffuse && diffuse->texture) ||
-         (metallic && (metallic->base_texture || metallic->metallic_texture));
+  return material.emission_texture || material.normal_map || material.opacity_texture ||
+         (diffuse && diffuse->texture) || (metallic && (metallic->base_texture || metallic->metallic_texture));
 }
 
 }  // namespace

@@ -11,11 +11,13 @@
 #include <utility>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/trace/geometry/few_triangles.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/geometry/ray_packet.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
+#include "holotrace/trace/shared/texture.h"
 
 namespace holotrace {
 
@@ -87,6 +89,7 @@ struct Accelerator::Implementation {
     bool is_textured;     // the material has a texture
     bool needs_tangents;  // the material has a normal map
     bool is_even;         // nothing differs from place to place on a triangle
+    bool has_openings;    // rays may go through it
     std::vector<TrianglePlane> planes;
   };
 
@@ -98,6 +101,7 @@ struct Accelerator::Implementation {
   std::optional<UniformGrid> grid;              // used instead of Embree
   std::vector<LightSurface> lamps;
   std::vector<Surface> surfaces;  // the meshes, then the lamps
+  bool has_openings = false;      // of any surface
   ScenePrecision precision{};
   double per_unit = 1, radius = 0;  // of the sphere, in units
 
@@ -108,10 +112,12 @@ struct Accelerator::Implementation {
       const bool is_smooth = has_own_normals(mesh, planes), is_textured = has_texture(material);
       const bool is_even = !is_smooth && !is_textured && mesh.colours.empty();
       surfaces.push_back({&mesh, mesh.material, -1, is_smooth, is_textured, material.normal_map != nullptr, is_even,
-                          std::move(planes)});
+                          !is_opaque(material), std::move(planes)});
+      has_openings = has_openings || surfaces.back().has_openings;
     }
     for (const LightSurface& lamp : lamps)
-      surfaces.push_back({&lamp.mesh, -1, lamp.light, false, false, false, true, planes_of(lamp.mesh, precision)});
+      surfaces.push_back(
+          {&lamp.mesh, -1, lamp.light, false, false, false, true, false, planes_of(lamp.mesh, precision)});
   }
 
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
@@ -119,6 +125,58 @@ struct Accelerator::Implementation {
   /// Whether several rays are traced together, which takes as long for two rays as for all.
   bool are_together(uint32_t asked, Aim aim, bool are_near) const {
     return watertight && std::popcount(asked) > 2 && (are_near || (few && aim == Aim::random));
+  }
+
+  /// Whether a surface lets a ray through where the ray meets it.
+  bool lets_through(const Ray& ray, const GridHit& found) const {
+    const Surface& surface = surfaces[found.mesh];
+    if (!surface.has_openings) return false;
+    const Vec2 uv = surface.is_textured ? coordinates_in(*surface.mesh, found) : Vec2{};
+    const double opacity = opacity_at(scene.materials[size_t(surface.material)], uv);
+    if (opacity <= 0 || opacity >= 1) return opacity <= 0;
+    uint64_t bits = mix(uint64_t(found.mesh) << 32 | found.triangle);
+    for (const double number :
+         {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z})
+      bits = mix(bits + splitmix_step + std::bit_cast<uint64_t>(number));
+    return double(bits >> 11) * 0x1p-53 >= opacity;
+  }
+
+  /// A question to Embree. It has the rays as they were asked, by whose number Embree knows them.
+  struct Query : RTCIntersectContext {
+    const Implementation* scene = nullptr;  // nullptr: all surfaces stop rays
+    const Ray* ray = nullptr;
+    const RayLanes* rays = nullptr;  // of several
+
+    Query(const Implementation& of, const Ray* one, const RayLanes* several) : ray(one), rays(several) {
+      rtcInitIntersectContext(this);
+      if (of.has_openings) scene = &of;
+    }
+
+    static void leave_out_openings(const RTCFilterFunctionNArguments* found) {
+      const Query& query = *static_cast<const Query*>(found->context);
+      if (!query.scene) return;
+      for (unsigned i = 0; i < found->N; ++i) {
+        if (found->valid[i] != -1) continue;
+        const size_t number = RTCRayN_id(found->ray, found->N, i);
+        const Ray ray = query.ray ? *query.ray : Ray{query.rays->origin[number], query.rays->direction[number]};
+        const GridHit hit{0, RTCHitN_geomID(found->hit, found->N, i), RTCHitN_primID(found->hit, found->N, i),
+                          double(RTCHitN_u(found->hit, found->N, i)), double(RTCHitN_v(found->hit, found->N, i))};
+        if (query.scene->lets_through(ray, hit)) found->valid[i] = 0;
+      }
+    }
+  };
+
+  /// The first surface of the grid that stops a ray before a distance.
+  bool first_in_grid(const Ray& ray, double distance, GridHit& found) const {
+    double passed = 0;
+    for (Ray rest = ray;; rest.origin = ray.origin + ray.direction * passed) {
+      if (!grid->closest_hit(rest, distance - passed, found)) return false;
+      found.distance += passed;
+      if (!lets_through(ray, found)) return true;
+      constexpr double grazing = 0.01;  // cosine below which a ray leaves a surface by less than its clearance
+      const TrianglePlane& plane = surfaces[found.mesh].planes[found.triangle];
+      passed = found.distance + double(plane.clearance) / std::max(std::abs(dot(plane.normal, ray.direction)), grazing);
+    }
   }
 
   /// Builds Embree's trees over all surfaces.
@@ -165,6 +223,10 @@ struct Accelerator::Implementation {
       for (uint32_t index : {i, has_area ? j : i, has_area ? k : i}) *indices++ = index;
     }
     if (few) add_to_few(mesh, id);
+    if (surfaces[id].has_openings) {
+      rtcSetGeometryIntersectFilterFunction(geometry.get(), &Query::leave_out_openings);
+      rtcSetGeometryOccludedFilterFunction(geometry.get(), &Query::leave_out_openings);
+    }
     rtcCommitGeometry(geometry.get());
     for (const RTCScene tree : {watertight.get(), split.get()})
       if (tree) rtcAttachGeometryByID(tree, geometry.get(), id);
@@ -237,6 +299,13 @@ struct Accelerator::Implementation {
     return a + (mesh.positions[j] - a) * found.b1 + (mesh.positions[k] - a) * found.b2;
   }
 
+  static Vec2 coordinates_in(const Mesh& mesh, const GridHit& found) {
+    const auto [i, j, k] = mesh.triangles[found.triangle];
+    const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
+    const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
+    return {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
+  }
+
   static void add_tangents(const Mesh& mesh, uint32_t triangle, SurfacePoint& point) {
     const auto [i, j, k] = mesh.triangles[triangle];
     const Vec3 a = mesh.positions[i], ab = mesh.positions[j] - a, ac = mesh.positions[k] - a;
@@ -259,8 +328,7 @@ struct Accelerator::Implementation {
         point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
     }
     if (surface.is_textured) {
-      const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
-      point.uv = {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
+      point.uv = coordinates_in(mesh, found);
       if (surface.needs_tangents) add_tangents(mesh, found.triangle, point);
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;
@@ -279,6 +347,11 @@ void write_down(const RayPacket& packet, bool are_shadows, Aim aim, std::vector<
     if (packet.valid[i])
       log.push_back(
           {{r.org_x[i], r.org_y[i], r.org_z[i]}, {r.dir_x[i], r.dir_y[i], r.dir_z[i]}, r.tfar[i], are_shadows, aim});
+}
+
+// Gives each ray its lane as its number.
+void number(RayPacket& packet) {
+  for (unsigned i = 0; i < packet.valid.size(); ++i) packet.query.ray.id[i] = i;
 }
 
 /// The bits of `asked` whose numbers pass a test.
@@ -330,7 +403,7 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
   const Implementation& self = *implementation_;
   if (self.grid) {
     GridHit found;
-    if (!self.grid->closest_hit(ray, std::numeric_limits<double>::infinity(), found)) return false;
+    if (!self.first_in_grid(ray, std::numeric_limits<double>::infinity(), found)) return false;
     self.describe(ray, found, hit);
     return true;
   }
@@ -340,8 +413,7 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
   if (log_) write_down(query.ray, false, aim, *log_);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Implementation::Query context(self, &ray, nullptr);
   rtcIntersect1(self.tree_for(aim), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   const double distance = (skipped + double(query.ray.tfar)) * self.precision.unit;
@@ -358,11 +430,12 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
   RayPacket packet;
   fill_packet(rays, asked, precision_, packet);
   if (log_) write_down(packet, false, aim, *log_);
-  if (self.few && aim == Aim::random) {
+  const bool are_few = self.few && aim == Aim::random;
+  if (are_few) {
     self.few->closest_hits(packet);
   } else {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    Implementation::Query context(self, nullptr, &rays);
+    number(packet);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcIntersect16(packet.valid.data(), self.tree_for(aim), &context, &packet.query);
   }
@@ -370,8 +443,9 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
   return bits_that(asked, [&, &query = query, &found = found](size_t i) {
     if (!packet.valid[i] || found.geomID[i] == RTC_INVALID_GEOMETRY_ID) return false;
     const double distance = (packet.skipped[i] + double(query.tfar[i])) * precision_.unit;
-    self.describe(ray(i), {distance, found.geomID[i], found.primID[i], double(found.u[i]), double(found.v[i])},
-                  hits[i]);
+    const GridHit at{distance, found.geomID[i], found.primID[i], double(found.u[i]), double(found.v[i])};
+    if (are_few && self.lets_through(ray(i), at)) return closest_hit(ray(i), hits[i], aim);
+    self.describe(ray(i), at, hits[i]);
     return true;
   });
 }
@@ -398,13 +472,15 @@ bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
   const Implementation& self = *implementation_;
   const double end = distance - rounding_at_end(ray, distance);
   if (!(end > 0)) return false;
-  if (self.grid) return self.grid->is_occluded(ray, end);
+  if (self.grid) {
+    GridHit found;
+    return self.has_openings ? self.first_in_grid(ray, end, found) : self.grid->is_occluded(ray, end);
+  }
   RTCRay query;
   double skipped;
   if (!self.watertight || !self.enter(ray, end, query, skipped)) return false;
   if (log_) write_down(query, true, aim, *log_);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Implementation::Query context(self, &ray, nullptr);
   rtcOccluded1(self.tree_for(aim), &context, &query);
   return query.tfar < 0;
 }
@@ -418,21 +494,25 @@ uint32_t Accelerator::occluded(const RayLanes& rays, uint32_t asked, Aim aim, bo
   RayPacket packet;
   fill_packet(rays, asked, precision_, packet);
   if (log_) write_down(packet, true, aim, *log_);
-  if (self.few && aim == Aim::random) {
+  const bool are_few = self.few && aim == Aim::random;
+  if (are_few) {
     self.few->find_occluded(packet);
   } else {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    Implementation::Query context(self, nullptr, &rays);
+    number(packet);
     rtcOccluded16(packet.valid.data(), self.tree_for(aim), &context, &packet.query.ray);
   }
-  return bits_that(asked, [&](size_t i) { return packet.valid[i] && packet.query.ray.tfar[i] < 0; });
+  return bits_that(asked, [&](size_t i) {
+    if (!packet.valid[i] || packet.query.ray.tfar[i] >= 0) return false;
+    return !(are_few && self.has_openings) || is_occluded({rays.origin[i], rays.direction[i]}, rays.distance[i], aim);
+  });
 }
 
 int64_t Accelerator::replay(const LoggedRay* rays, int64_t count) const {
   int64_t found = 0;
   if (!implementation_->watertight) return 0;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  Implementation::Query context(*implementation_, nullptr, nullptr);
+  context.scene = nullptr;
   for (const LoggedRay* ray = rays; ray != rays + count; ++ray) {
     const RTCScene tree = implementation_->tree_for(ray->aim);
     RTCRayHit query{};

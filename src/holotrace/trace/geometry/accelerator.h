@@ -46,6 +46,9 @@ struct LoggedRay {
 /// A scene of up to 300,000 triangles has a second tree for random rays, whose triangles are split where that helps. It
 /// is not watertight. Its rays take 0.55 to 0.7 times as long as in the watertight tree. In a scene of few
 /// triangles, random rays that are asked together ask all of them instead (few_triangles.h).
+///
+/// A surface whose material has an opacity o < 1 stops a ray with probability o (opacity_at), drawn from a hash of the ray and the
+/// triangle; else the ray goes on. The same ray always has the same answer.
 class Accelerator {
  public:
   /// @throws Error  if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures

@@ -123,6 +123,9 @@ void check_material(const Material& material, size_t index) {
   check_texture(material.normal_map.get(), "a normal map", index);
   require(!material.normal_map || material.normal_map->channels == 3,
           "expected a normal map of 3 channels in material {}, got 1", index);
+  check_texture(material.opacity_texture.get(), "an opacity texture", index);
+  require_share(material.opacity, "share of opacity", index);
+  require_share(material.opacity_cutoff, "cutoff of opacity", index);
   require(std::isfinite(material.normal_scale), "expected a finite normal scale in material {}, got {}", index,
           material.normal_scale);
 }
@@ -156,7 +159,7 @@ void check_environment(const Environment& environment) {
 }  // namespace
 
 bool has_texture(const Material& material) {
-  return material.emission_texture || material.normal_map ||
+  return material.emission_texture || material.normal_map || material.opacity_texture ||
          std::visit([](const auto& surface) { return has_texture(surface); }, material.surface);
 }
 

@@ -45,7 +45,7 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
     const Vec3 texture = material.emission_texture ? mean_of(*material.emission_texture) : Vec3{1, 1, 1};
     means.push_back(sum(lines.from_rgb(material.emission * texture)));
     radiances_.push_back(lines.from_rgb(material.emission));
-    has_texture_ |= material.emission_texture != nullptr;
+    has_texture_ |= material.emission_texture != nullptr || (means.back() > 0 && !is_opaque(material));
   }
   double total = 0;
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -92,7 +92,7 @@ Vec3 EmissiveTriangles::radiance_of(const Triangle& triangle, bool is_front, dou
   const Mesh& mesh = scene_.meshes[triangle.mesh];
   const Material& material = scene_.materials[size_t(mesh.material)];
   if (!is_front && !material.two_sided) return {};
-  if (!material.emission_texture) return radiances_[size_t(mesh.material)];
+  if (!material.emission_texture && is_opaque(material)) return radiances_[size_t(mesh.material)];
   SurfacePoint point;
   point.is_front = is_front;
   if (!mesh.texture_coordinates.empty()) {
@@ -101,7 +101,7 @@ Vec3 EmissiveTriangles::radiance_of(const Triangle& triangle, bool is_front, dou
     const double b0 = 1 - b1 - b2;
     point.uv = {uv[i].x * b0 + uv[j].x * b1 + uv[k].x * b2, uv[i].y * b0 + uv[j].y * b1 + uv[k].y * b2};
   }
-  return emitted_radiance(material, point, lines_);
+  return emitted_radiance(material, point, lines_) * opacity_at(material, point.uv);
 }
 
 const EmissiveTriangles::Triangle& EmissiveTriangles::selected_by(double u) const {

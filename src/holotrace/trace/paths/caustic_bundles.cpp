@@ -54,7 +54,7 @@ void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& 
   const Bsdf bsdf = make_bsdf(material, point, scene.lines);
   const LobeSet lobes = lobes_of(bsdf);
   if (!way.chain.empty() && (lobes.has_diffuse || lobes.has_glossy)) land({way, point.position});
-  if (material.normal_map) return;
+  if (!acts_as_its_mesh(material)) return;
   const SpecularBranches branches = specular_branches(bsdf, -way.ray.direction);
   for (int i = 0; i < branches.count; ++i) {
     LightWay next = way;
@@ -91,7 +91,7 @@ std::vector<Target> find_targets(const PathScene& scene) {
   for (size_t m = 0; m < scene.scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.scene.meshes[m];
     const Material& material = scene.scene.materials[size_t(mesh.material)];
-    if (mesh.triangles.empty() || material.normal_map || !is_specular(material, scene.lines)) continue;
+    if (mesh.triangles.empty() || !acts_as_its_mesh(material) || !is_specular(material, scene.lines)) continue;
     Box box;
     for (const auto& triangle : mesh.triangles)
       for (const uint32_t corner : triangle) box.include(mesh.positions[corner]);
@@ -428,8 +428,8 @@ Caustics find_caustics(const PathScene& scene, int rays) {
   const bool is_all_met = std::all_of(lights.begin(), lights.end(), has_area);
   for (const Mesh& mesh : scene.scene.meshes) {
     const Material& material = scene.scene.materials[size_t(mesh.material)];
-    const bool is_left_out = !is_all_met && material.normal_map && is_specular(material, scene.lines);
-    caustics.has_normal_map = caustics.has_normal_map || is_left_out;
+    const bool is_left_out = !is_all_met && !acts_as_its_mesh(material) && is_specular(material, scene.lines);
+    caustics.has_uneven = caustics.has_uneven || is_left_out;
   }
   const std::vector<Target> targets = find_targets(scene);
   if (targets.empty() || scene.params.max_depth < 2) return caustics;

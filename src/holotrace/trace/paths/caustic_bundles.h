@@ -41,9 +41,10 @@ struct LampBundles {
 /// What is known in advance about the light that mirrors and glass throw on other surfaces.
 struct Caustics {
   std::vector<LampBundles> lamps;  ///< of each light of the scene; empty if none has any bundles
-  bool has_normal_map = false;     ///< whether light by a mirror or glass with a normal map was left out
-  bool has_long = false;           ///< whether light by more than most_chained surfaces was left out
-  bool has_rectangles = false;     ///< whether a rectangle has bundles, so that such light is found in two ways
+  bool has_uneven =
+      false;  ///< whether light by a mirror or glass with a normal map, or with an opacity below 1, was left out
+  bool has_long = false;        ///< whether light by more than most_chained surfaces was left out
+  bool has_rectangles = false;  ///< whether a rectangle has bundles, so that such light is found in two ways
 
   bool is_empty() const { return lamps.empty(); }
 };

@@ -273,10 +273,10 @@ void report(const PathCounts& counts, int max_depth, const Observer& observer) {
 }
 
 void warn_of_caustics(const PathScene& scene, const Observer& observer) {
-  if (scene.caustics.has_normal_map)
+  if (scene.caustics.has_uneven)
     observer.warn(
-        "caustics of point, spot and directional lights through mirrors or glass with a normal map are left out; use "
-        "rectangle lights, or remove the normal map");
+        "caustics of point, spot and directional lights through mirrors or glass with a normal map or an opacity "
+        "below 1 are left out; use rectangle lights, or remove the map");
   if (scene.caustics.has_long)
     observer.warn(fmt::format(
         "caustics of point, spot and directional lights with more than {} reflections and refractions are left out; "

@@ -91,7 +91,8 @@ std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light
   for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     const Material& material = scene.materials[size_t(mesh.material)];
-    if (mesh.triangles.empty() || material.normal_map || !reflects(material, lines) || is_smooth(mesh)) continue;
+    if (mesh.triangles.empty() || !acts_as_its_mesh(material) || !reflects(material, lines) || is_smooth(mesh))
+      continue;
     if (auto planes = planes_of(mesh, m)) std::move(planes->begin(), planes->end(), std::back_inserter(mirrors));
   }
   for (FlatMirror& mirror : mirrors)
