@@ -30,6 +30,19 @@ const char* said_of(FilmStep step) {
   return "computed";
 }
 
+// How long shutters of a film are open [s]: that of its camera, and that of each time, whose holograms show what happens while they
+// are shown. Holograms of waves show one instant, so where the camera sees several of them, renders do, too.
+struct FilmShutter {
+  double of_camera, of_time;
+};
+
+FilmShutter shutter_of_film(const Job& first, const Shutter& shutter) {
+  const double seconds = shutter.seconds_at(first.animate.fps), interval = 1 / first.animate.fps;
+  constexpr double rounding = 1e-9;
+  if (!first.animate.times.empty() || seconds <= interval * (1 + rounding)) return {0, seconds};
+  return {seconds, aims_at_scene(first) ? interval : 0};
+}
+
 }  // namespace
 
 void add_animate_command(CLI::App& app, const GlobalFlags& global) {
@@ -56,14 +69,21 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
   shorten_help(*command,
                {"holotrace animate scene.toml -o film", "holotrace animate scene.toml -o film --seconds 2 --fps 25",
                 "holotrace animate walk.glb -o film --film-format mp4"},
-               {"--output", "--film-start", "--seconds", "--fps", "--times", "--from-last", "--film-format", "--slm",
-                "--wavelength", "--quality", "--method", "--frames", "--distance", "--pupil", "--eye", "--paths",
-                "--seed", "--help", "--help-all"});
+               {"--output",      "--film-start", "--seconds",    "--fps",     "--times",  "--shutter", "--from-last",
+                "--film-format", "--slm",        "--wavelength", "--quality", "--method", "--frames",  "--distance",
+                "--pupil",       "--eye",        "--paths",      "--seed",    "--help",   "--help-all"});
   command->callback([o, &global] {
-    Job first = o->flags.job(o->scene, global.outside());
+    Job first = o->flags.job(o->scene, global.outside(), std::nullopt, 0);
     o->times.apply(first.animate);
-    FilmPlan plan{times_of(first.animate, first.last_key), first.animate.fps, first.animate.format,
-                  [&](double time) { return o->flags.job(o->scene, global.outside(), time); }, first.animate.from_last};
+    FilmPlan plan{times_of(first.animate, first.last_key),
+                  first.animate.fps,
+                  first.animate.format,
+                  {},
+                  0,
+                  first.animate.from_last};
+    const FilmShutter shutter = shutter_of_film(first, o->flags.shutter_of(first));
+    plan.shutter = shutter.of_camera;
+    plan.job_at = [&](double time) { return o->flags.job(o->scene, global.outside(), time, shutter.of_time); };
     require(
         first.camera.sweep == Sweep::none,
         "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");

@@ -4,11 +4,30 @@
 
 #include <filesystem>
 
+#include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/run_folder.h"
 
 namespace holotrace {
+
+void add_shutter(CLI::App& command, std::string& text) {
+  command
+      .add_option(
+          "--shutter", text,
+          "time for which the shutter is open, from the time of the scene on: what moves meanwhile is blurred. Or an angle: 360 deg is "
+          "the interval between two times of a film, 1/fps of [animate] [the scene's, or 0 s]")
+      ->type_name("TIME|ANGLE");
+}
+
+Shutter parse_shutter_flag(const std::string& text, const Job& job) {
+  if (text.empty()) return job.shutter;
+  try {
+    return parse_shutter(text);
+  } catch (const Error& e) {
+    fail("--shutter: {}", e.what());
+  }
+}
 
 void add_last(CLI::App& command, std::string& path) {
   command

@@ -97,6 +97,12 @@ inline std::optional<double> parse_scene_time(const std::string& text) {
   return parse_time_flag("--time", text);
 }
 
+/// Adds `--shutter`.
+void add_shutter(CLI::App& command, std::string& text);
+
+/// The shutter of the text of `--shutter`, or else that of the scene. @throws Error for a text that is none
+Shutter parse_shutter_flag(const std::string& text, const Job& job);
+
 /// Adds `--last`.
 void add_last(CLI::App& command, std::string& path);
 

@@ -82,6 +82,12 @@ std::vector<SceneEdit> SceneFlags::scene_edits() const {
 
 std::optional<double> SceneFlags::seconds() const { return parse_scene_time(time); }
 
+Job SceneFlags::opened(Job job, double seconds, const std::string& scene, Outside outside) const {
+  const ModelParams params = model(scene);
+  const std::vector<SceneEdit> set = scene_edits();
+  return open_shutter(std::move(job), seconds, [&](double t) { return load_job(scene, outside, params, slm, t, set); });
+}
+
 namespace {
 
 // The light paths of pictures are those of [render]: flags of [trace] that describe paths count for them.
@@ -106,6 +112,7 @@ void aim_at_eye_of_camera(Job& job) {
 void RunFlags::add(CLI::App& command, bool has_time) {
   add_wavelength(command, wavelengths_);
   scene_.add(command, has_time);
+  add_shutter(command, scene_.shutter);
   command.add_option("--seed", seed_, "seed for tracing, rendering and encoding [the scene's]")->type_name("N");
   command
       .add_option("--eye-separation", eye_separation_,
@@ -119,7 +126,8 @@ void RunFlags::add(CLI::App& command, bool has_time) {
   synthesize_.add(command, SynthesizeParams(), {}, "Synthesis (overrides the scene's [synthesize])");
 }
 
-Job RunFlags::job(const std::string& scene, Outside outside, std::optional<double> time) const {
+Job RunFlags::job(const std::string& scene, Outside outside, std::optional<double> time,
+                  std::optional<double> shutter) const {
   Job job =
       load_job(scene, outside, scene_.model(scene), scene_.slm, time ? time : scene_.seconds(), scene_.scene_edits());
   camera_.apply(job.camera);
@@ -135,6 +143,8 @@ Job RunFlags::job(const std::string& scene, Outside outside, std::optional<doubl
   if (seed_) check_flag("--seed", double(*seed_), range::not_negative, Quantity::count);
   if (seed_) job.trace.seed = job.render.seed = job.encode.seed = *seed_;
   if (camera_.has("eye")) aim_at_eye_of_camera(job);
+  const double open = shutter ? *shutter : shutter_of(job).seconds_at(job.animate.fps);
+  job = scene_.opened(std::move(job), open, scene, outside);
   job = choose_missing(std::move(job));
   if (aims_at_scene(job)) follow_paths_as_traced(trace_, job);
   check_field_fits(job.slm.grid, sizeof(std::complex<float>));

@@ -19,7 +19,7 @@ void add_scene(CLI::App& command, std::string& path);
 
 /// How a scene is read: a model without a scene, the panel, the time, and values in place of the scene's.
 struct SceneFlags {
-  std::string slm, time{};
+  std::string slm, time{}, shutter{};
   std::vector<std::string> edits{};
   Flags flags{};
 
@@ -34,6 +34,9 @@ struct SceneFlags {
 
   /// The time that is asked for [s]. @throws Error for a text that is no time
   std::optional<double> seconds() const;
+
+  /// The job with its shutter open for so long [s].
+  Job opened(Job job, double seconds, const std::string& scene, Outside outside) const;
 };
 
 /// Heading of the flags of tracing.
@@ -46,9 +49,14 @@ class RunFlags {
   void add(CLI::App& command, bool has_time);
 
   /// The job of a scene with the values of the flags, checked. What neither gives is chosen.
-  /// @param time  of the scene [s]; nothing: that of the flag, or of the scene
+  /// @param time     of the scene [s]; nothing: that of the flag, or of the scene
+  /// @param shutter  how long it is open [s]; nothing: as the flag or the scene says
   /// @throws Error as load_job and check_job do, and for values that are not valid
-  Job job(const std::string& scene, Outside outside, std::optional<double> time = std::nullopt) const;
+  Job job(const std::string& scene, Outside outside, std::optional<double> time = std::nullopt,
+          std::optional<double> shutter = std::nullopt) const;
+
+  /// The shutter of the flag, or of a job. @throws Error as parse_shutter_flag does
+  Shutter shutter_of(const Job& job) const { return parse_shutter_flag(scene_.shutter, job); }
 
  private:
   std::string wavelengths_, eye_separation_;

@@ -83,11 +83,12 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   Checkpoints::add_flag(*command, o->checkpoint);
   add_last(*command, o->last);
   o->flags.add(*command, true);
-  shorten_help(*command,
-               {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
-                "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
-               {"--output", "--slm", "--time", "--wavelength", "--quality", "--method", "--target", "--frames",
-                "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
+  shorten_help(
+      *command,
+      {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
+       "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
+      {"--output", "--slm", "--time", "--shutter", "--wavelength", "--quality", "--method", "--target", "--frames",
+       "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
   command->callback([o, &global] {
     const Job job = o->flags.job(o->scene, global.outside());
     const Checkpoints checkpoints(o->checkpoint);
@@ -156,12 +157,17 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
       "image: .png, .jpg or .exr (radiance); with --eye-separation NAME_left, NAME_right, and NAME: their anaglyph; with "
       "--focal-stack one for each plane: NAME, NAME_2, …; or all planes in one .h5");
   o->read.add(*command);
+  add_shutter(*command, o->read.shutter);
   add_report(*command, o->report);
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds(),
                          o->read.scene_edits());
+    const double open = parse_shutter_flag(o->read.shutter, job).seconds_at(job.animate.fps);
+    job = o->read.opened(std::move(job), open, o->scene, global.outside());
     o->flags.apply(job.render);
+    if (o->flags.has("eye"))
+      for (Moment& moment : job.moments) moment.eye_moved = {};  // the flag's eye stays
     job = choose_missing(std::move(job), Goal::waves);
     const bool is_stack = !job.render.focal_stack.empty();
     require(!is_stack || job.render.eye_separation == 0,

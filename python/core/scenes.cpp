@@ -3,9 +3,13 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "holotrace/data/job.h"
@@ -29,6 +33,15 @@ Outside outside_of(bool allow) { return allow ? Outside::allowed : Outside::refu
 std::optional<double> seconds_of(nb::handle time) {
   if (time.is_none()) return std::nullopt;
   return to_time(time, "time");
+}
+
+// The shutter that is given, "20 ms", "180 deg" or seconds, or else that of the scene.
+Shutter shutter_of(nb::handle given, const Job& job) {
+  if (given.is_none()) return job.shutter;
+  if (nb::isinstance<nb::str>(given)) return parse_shutter(nb::cast<std::string>(given));
+  const double seconds = to_time(given, "shutter");
+  require(seconds >= 0, "expected a shutter of 0 s or more, got {:g} s", seconds);
+  return {seconds, 0};
 }
 
 // The parameters of a stage of a job, by the name of its table in a scene file.
@@ -105,30 +118,52 @@ void bind_scenes(nb::module_& module) {
   bind_bytes<Job>(job);
   job.def_static(
       "load",
-      [](const std::string& path, bool allow_outside, nb::handle time,
+      [](const std::string& path, bool allow_outside, nb::handle time, nb::handle shutter,
          const std::map<std::string, std::string>& texts) {
-        const std::optional<double> at = seconds_of(time);
         std::vector<SceneEdit> edits;
         for (const auto& [key, value] : texts) edits.push_back({key, value});
+        const auto at = [&](std::optional<double> t) {
+          return load_job(path, outside_of(allow_outside), {}, "", t, edits);
+        };
+        Job opened = at(seconds_of(time));
+        const double seconds = shutter_of(shutter, opened).seconds_at(opened.animate.fps);
         const nb::gil_scoped_release release;
-        return load_job(path, outside_of(allow_outside), {}, "", at, edits);
+        return open_shutter(std::move(opened), seconds, at);
       },
-      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none(), nb::arg("edits"));
+      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none(), nb::arg("shutter").none(), nb::arg("edits"));
   job.def_static(
       "make",
-      [](const nb::dict& dict, bool allow_outside, nb::handle time) {
+      [](const nb::dict& dict, bool allow_outside, nb::handle time, nb::handle shutter) {
         SceneArrays arrays;
         const toml::table tables = to_table(dict, arrays);
-        return job_of_tables(tables, arrays, outside_of(allow_outside), seconds_of(time));
+        const auto at = [&](std::optional<double> t) {
+          return job_of_tables(tables, arrays, outside_of(allow_outside), t);
+        };
+        Job opened = at(seconds_of(time));
+        const double seconds = shutter_of(shutter, opened).seconds_at(opened.animate.fps);
+        return open_shutter(std::move(opened), seconds, at);
       },
-      nb::arg("tables"), nb::arg("allow_outside"), nb::arg("time").none());
+      nb::arg("tables"), nb::arg("allow_outside"), nb::arg("time").none(), nb::arg("shutter").none());
+  job.def(
+      "open_shutter",
+      [](const Job& j, double seconds, const nb::callable& at) {
+        Job opened = j;
+        if (!opened.last_key) opened.last_key = opened.time + seconds;  // a function moves what it likes
+        return open_shutter(std::move(opened), seconds, [&](double time) { return nb::cast<Job>(at(time)); });
+      },
+      nb::arg("seconds"), nb::arg("at"));
   job.def_ro("time", &Job::time);
   job.def_ro("last_key", &Job::last_key);
-  job.def("times", [](const Job& j, const nb::dict& given) {
-    AnimateParams params = j.animate;
-    set_params(given, params);
-    return std::pair(times_of(params, j.last_key), params.from_last);
-  });
+  job.def(
+      "times",
+      [](const Job& j, const nb::dict& given, nb::handle shutter) {
+        AnimateParams params = j.animate;
+        set_params(given, params);
+        const double open = shutter_of(shutter, j).seconds_at(params.fps);
+        return std::tuple(times_of(params, j.last_key), params.from_last,
+                          params.times.empty() ? std::min(open, 1 / params.fps) : open);
+      },
+      nb::arg("params"), nb::arg("shutter").none());
   job.def("set", [](Job& j, const std::string& stage, const nb::dict& given) {
     with_stage(j, stage, [&](auto& params) { set_params(given, params); });
     j.are_distances_given = j.are_distances_given || (stage == "camera" && given.contains("distances"));

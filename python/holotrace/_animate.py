@@ -14,18 +14,19 @@ from ._images import Image
 from ._parameters import takes
 from ._progress import Progress
 from ._scenes import Scene, load_scene
+from ._units import Time
 
 #: What moves: a scene file or a model, the tables of a scene with keys over time, or a function that gives the scene at a time [s].
 Moving = Union[Path, Mapping[str, Any], Callable[[float], Scene]]
 
 
-def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
+def _at(moving: Moving, allow_outside: bool) -> Callable[[Any, Any], Scene]:
     if isinstance(moving, (str, os.PathLike)):
         path: Path = moving
-        return lambda time: load_scene(path, allow_outside=allow_outside, time=time)
+        return lambda time, shutter: load_scene(path, allow_outside=allow_outside, time=time, shutter=shutter)
     if isinstance(moving, Mapping):
         tables = moving
-        return lambda time: Scene(tables, allow_outside=allow_outside, time=time)
+        return lambda time, shutter: Scene(tables, allow_outside=allow_outside, time=time, shutter=shutter)
     if isinstance(moving, Scene) or not callable(moving):
         raise _core.Error(
             f"expected what moves: a path, the tables of a scene, or a function of time, got {type(moving).__name__}; "
@@ -33,11 +34,18 @@ def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
         )
     function = moving
 
-    def scene_at(time: Any) -> Scene:
-        scene = function(0.0 if time is None else time)
+    def still_at(time: float) -> Scene:
+        scene = function(time)
         if not isinstance(scene, Scene):
             raise _core.Error(f"expected a Scene at {time} s, got {type(scene).__name__}")
         return scene
+
+    def scene_at(time: Any, shutter: Any) -> Scene:
+        time = 0.0 if time is None else time
+        scene = still_at(time)
+        if not shutter:
+            return scene
+        return Scene._of(scene._core.open_shutter(shutter, lambda later: still_at(time - scene.time + later)._core))
 
     return scene_at
 
@@ -48,6 +56,7 @@ def animate(
     *,
     stages: Optional[Mapping[str, Mapping[str, Any]]] = None,
     allow_outside: bool = False,
+    shutter: Optional[Time] = None,
     progress: Progress = None,
     **params: Any,
 ) -> Iterator[Run]:
@@ -59,15 +68,18 @@ def animate(
         for one in ht.animate("chess.toml", seconds=2, fps=25, stages={"trace": {"paths": 16}}):
             one.holograms[0].save(f"hologram_{one.time:.3f}.png")
 
+    ``shutter``: how long the shutter of each time is open, as `Scene` takes it, at most 1/fps, for which its holograms are shown. A camera with a
+    longer exposure sees the mean of the views of several times.
+
     Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
     """
     scene_at = _at(moving, allow_outside)
-    times, from_last = scene_at(None)._core.times(params)
+    times, from_last, opened = scene_at(None, 0.0)._core.times(params, shutter)
 
     def runs() -> Iterator[Run]:
         last = None
         for time in times:
-            made = run(scene_at(time), last=last, progress=progress, **(stages or {}))
+            made = run(scene_at(time, opened), last=last, progress=progress, **(stages or {}))
             last = made.holograms if from_last else None
             made.time = time
             yield made

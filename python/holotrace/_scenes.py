@@ -98,6 +98,8 @@ class Scene(Noun):
     for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``.
 
     ``time``: the time at which keys over time are read, such as ``"position": {"0 s": (0, 0, -0.3), "1 s": (0.01, 0, -0.3)}``.
+    ``shutter``: how long a shutter is open from then on, ``0.02``, ``"20 ms"``, or ``"180 deg"`` of the interval 1/fps of a film. Renders, focal
+    stacks and targets of holograms are means over that time; None: the shutter of the tables.
     """
 
     __slots__ = ()
@@ -108,13 +110,14 @@ class Scene(Noun):
         *,
         allow_outside: bool = False,
         time: Optional[Time] = None,
+        shutter: Optional[Time] = None,
         **more: Any,
     ) -> None:
         given = {**table(tables, "Scene"), **more}
         slm = given.get("slm")
         if isinstance(slm, (Slm, str, os.PathLike)):
             given["slm"] = None
-        self._core = _core.Job.make(_plain(given), allow_outside, time)
+        self._core = _core.Job.make(_plain(given), allow_outside, time, shutter)
         if isinstance(slm, (Slm, str, os.PathLike)):
             self._core.slm = panel(slm)._core
         self.facts = {}
@@ -166,17 +169,22 @@ class Scene(Noun):
 
 
 def load_scene(
-    path: Path, *, allow_outside: bool = False, time: Optional[Time] = None, edits: Optional[Mapping[str, Any]] = None
+    path: Path,
+    *,
+    allow_outside: bool = False,
+    time: Optional[Time] = None,
+    shutter: Optional[Time] = None,
+    edits: Optional[Mapping[str, Any]] = None,
 ) -> Scene:
     """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it.
 
     ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
-    animations of models are read; None: that of the file, or 0. ``edits``: values in place of those of the file, by their tables and keys and the
-    numbers of lists from 1: ``{"object.2.position": "0 0 -300 mm"}``; for a model ``rotation``, ``fit``, ``up``, ``floor`` and
-    ``model_distance``.
+    animations of models are read; None: that of the file, or 0. ``shutter``: as for `Scene`; None: that of the file. ``edits``: values in
+    place of those of the file, by their tables and keys and the numbers of lists from 1:
+    ``{"object.2.position": "0 0 -300 mm"}``; for a model ``rotation``, ``fit``, ``up``, ``floor`` and ``model_distance``.
     """
     texts = {key: value if isinstance(value, str) else json.dumps(value) for key, value in (edits or {}).items()}
-    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time, texts))
+    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time, shutter, texts))
 
 
 @takes("render", without=("focal_stack", "eye_separation"), of_scene=True)

@@ -8,7 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "holotrace/base/archive.h"
+#include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/members.h"
 #include "holotrace/data/spectrum.h"
 
 namespace holotrace {
@@ -93,5 +96,67 @@ void set_wavelengths(std::vector<double> wavelengths, Job& job) {
   job.wavelengths = std::move(wavelengths);
   std::erase_if(job.chosen, [](const auto& choice) { return choice.parameter == "wavelength"; });
 }
+
+Shutter parse_shutter(std::string_view text) {
+  Shutter shutter;
+  const bool is_angle = text.ends_with("deg") || text.ends_with("rad");
+  try {
+    (is_angle ? shutter.angle : shutter.seconds) = is_angle ? parse_angle(text) : parse_time(text);
+  } catch (const Error&) {
+    fail("expected a time or an angle with its unit, such as \"20 ms\" or \"180 deg\", got \"{}\"", text);
+  }
+  require(shutter.seconds >= 0 && shutter.angle >= 0, "expected a shutter of 0 s or more, got \"{}\"", text);
+  return shutter;
+}
+
+namespace {
+
+// Lets a picture be the one of another scene if both are equal.
+void share(std::shared_ptr<const Image>& picture, const std::shared_ptr<const Image>& other) {
+  if (picture && other && picture->nx == other->nx && picture->ny == other->ny && picture->values == other->values)
+    picture = other;
+}
+
+// The same for all pictures of a scene. Those of the surfaces of materials are in the same places if nothing else changes.
+void share_pictures(Scene& scene, const Scene& other) {
+  for (size_t i = 0; i < std::min(scene.materials.size(), other.materials.size()); ++i) {
+    Material& own = scene.materials[i];
+    const Material& with = other.materials[i];
+    share(own.emission_texture, with.emission_texture);
+    share(own.normal_map, with.normal_map);
+    if (auto* surface = std::get_if<DiffuseMaterial>(&own.surface))
+      if (const auto* of_other = std::get_if<DiffuseMaterial>(&with.surface)) share(surface->texture, of_other->texture);
+    if (auto* surface = std::get_if<MetallicRoughnessMaterial>(&own.surface))
+      if (const auto* of_other = std::get_if<MetallicRoughnessMaterial>(&with.surface)) {
+        share(surface->base_texture, of_other->base_texture);
+        share(surface->metallic_texture, of_other->metallic_texture);
+      }
+  }
+  if (scene.environment && other.environment) share(scene.environment->map, other.environment->map);
+}
+
+}  // namespace
+
+Job open_shutter(Job job, double seconds, const std::function<Job(double time)>& at) {
+  require(seconds >= 0 && std::isfinite(seconds), "expected a shutter of 0 s or more, got {:g} s", seconds);
+  if (seconds == 0 || !job.last_key) return job;
+  const uint64_t opened = fingerprint_of(job.scene);
+  uint64_t before = 0;
+  bool is_moving = false;
+  std::vector<Moment> moments;
+  for (int k = 0; k < shutter_moments; ++k) {
+    Job now = at(job.time + (k + 0.5) / shutter_moments * seconds);
+    const uint64_t found = fingerprint_of(now.scene);
+    is_moving = is_moving || found != opened || !(now.render.eye == job.render.eye);
+    share_pictures(now.scene, job.scene);
+    moments.push_back({k > 0 && found == before ? moments.back().scene : std::make_shared<Scene>(std::move(now.scene)),
+                       now.render.eye - job.render.eye});
+    before = found;
+  }
+  if (is_moving) job.moments = std::move(moments);
+  return job;
+}
+
+Exposure exposure_of(const Job& job) { return job.moments.empty() ? Exposure(job.scene) : Exposure(job.moments); }
 
 }  // namespace holotrace

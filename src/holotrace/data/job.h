@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "holotrace/data/exposure.h"
 #include "holotrace/data/params/animate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
@@ -32,11 +34,26 @@ struct Job {
   CameraParams camera;
   AnimateParams animate;
   double time = 0;                    ///< time [s] at which the values of the scene were read
+  Shutter shutter{};                  ///< of the scene file, which load_job does not open (open_shutter)
+  std::vector<Moment> moments{};      ///< while the shutter is open; empty if it is not, or if nothing moves
   std::optional<double> last_key{};   ///< latest key over time in the scene [s]; nothing if nothing in it changes
   bool are_distances_given = true;    ///< camera.distances; else choose_missing takes them from the scene's depths
   std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
   std::vector<Chosen> chosen;         ///< what the job does not give, and was chosen for it (run/choose.h)
 };
+
+/// Moments of an exposure: a motion of that many pixels is smooth, and light paths are shared among them.
+inline constexpr int shutter_moments = 32;
+
+/// A job whose shutter is open from its time on: its moments are scenes at the middles of shutter_moments equal parts of that time.
+/// Moments that are equal share one scene, and all share equal textures. A shutter during which nothing moves changes nothing; in a
+/// scene without keys over time nothing does.
+/// @param seconds  how long the shutter is open [s]; 0: the job as it is
+/// @param at       the job at a time [s]; its scene and its render.eye are used
+Job open_shutter(Job job, double seconds, const std::function<Job(double time)>& at);
+
+/// The moments of a job, or its scene as a still. The job must outlive them.
+Exposure exposure_of(const Job& job);
 
 /// Whether something in a scene has a colour: a surface, a texture, a vertex, a metal such as gold, a light, or the
 /// surroundings. Channels that differ by up to 3 % of the brightest one are grey.

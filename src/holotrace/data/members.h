@@ -239,11 +239,16 @@ void members(Archive& archive, Chosen& part) {
   archive(parameter, value, why);
 }
 template <class Archive>
+void members(Archive& archive, Moment& part) {
+  auto& [scene, eye_moved] = part;
+  archive(scene, eye_moved);
+}
+template <class Archive>
 void members(Archive& archive, Job& noun) {
-  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, last_key,
-         are_distances_given, warnings, chosen] = noun;
-  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, last_key,
-          are_distances_given, warnings, chosen);
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, shutter,
+         moments, last_key, are_distances_given, warnings, chosen] = noun;
+  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, shutter,
+          moments, last_key, are_distances_given, warnings, chosen);
 }
 
 // Of results.

@@ -103,7 +103,7 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
     RenderParams of_eye = params;
     const double area = field.lens.width() * field.lens.height();
     of_eye.paths = std::max(1, int(std::lround(paths_per_pixel(params) * area / (pi / 4 * diameter * diameter))));
-    lights.push_back({eye, trace_light_field(job.scene, job.slm.grid, wavelength, field, of_eye,
+    lights.push_back({eye, trace_light_field(exposure_of(job), job.slm.grid, wavelength, field, of_eye,
                                              part_of(observer, int(lights.size()), int(eyes.size())))});
   }
   return lights;

@@ -243,6 +243,16 @@ References references_of_scene(const Job& job, SceneTargets& targets, const Obse
 
 float peak_of(const Image& image) { return *std::max_element(image.values.begin(), image.values.end()); }
 
+// What a shutter does in a run: the eye stays where it is, as in the views, which show one hologram each; and waves have none.
+Job with_shutter_of_run(Job job) {
+  for (Moment& moment : job.moments) moment.eye_moved = {};
+  if (!job.moments.empty() && !aims_at_scene(job))
+    job.warnings.emplace_back(
+        "the holograms of waves show the scene when the shutter opens, and only the render has motion blur; use the "
+        "method sgd, or make a film of more times per second, whose views are averaged");
+  return job;
+}
+
 // Places that a viewer can focus on. A run is complete without them.
 std::vector<Sources> points_to_focus(const Job& job) {
   try {
@@ -256,7 +266,7 @@ std::vector<Sources> points_to_focus(const Job& job) {
 
 RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links,
                const EarlierRun* earlier, const std::vector<Hologram>& last) {
-  const Job job = choose_missing(given);
+  const Job job = with_shutter_of_run(choose_missing(given));
   require(
       last.empty() || aims_at_scene(job),
       "expected holograms of the last picture only with the method sgd and the target render or light-field; give [encode] "

@@ -68,6 +68,9 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// and "encode" in place of "render", "trace" and "synthesize", no sources but points, no fields, and `renders` are the stack's
 /// pictures in the planes that the camera looks at.
 ///
+/// While a shutter is open (open_shutter), renders, focal stacks and targets are means over that time; the eye stays where it is when
+/// the shutter opens. Holograms of waves show the scene at that time alone, which is a warning.
+///
 /// What the job does not give is chosen (choose_missing), and listed in the report.
 ///
 /// The states of those optimisations are kept by `checkpoint_of`; a run that goes on traces the focal stack again.

@@ -59,7 +59,7 @@ void render_brightest(const Job& job, const RenderParams& params, HalvedRender& 
     full.paths = job.render.paths;
     Observer progress;
     progress.on_progress = part_of(observer, step, 2).on_progress;
-    render_pixels(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), full, mask,
+    render_pixels(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), full, mask,
                   image, progress);
   };
   PixelMask done = brightest_pixels(image, count, [](size_t) { return true; });
@@ -122,7 +122,8 @@ std::vector<PlannedRender> plan_stereo_renders(const Job& job) {
 
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer) {
   observer.fact("seed", params.seed);
-  return render(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params, observer);
+  if (!job.moments.empty()) observer.fact("shutter_moments", job.moments.size());
+  return render(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params, observer);
 }
 
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer) {
@@ -149,7 +150,7 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
   const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
   const std::vector<double>& distances = job.camera.distances;
   if (job.camera.pupil == 0)
-    return trace_focal_stack(job.scene, panel, wavelength, distances, params, observer).pictures;
+    return trace_focal_stack(exposure_of(job), panel, wavelength, distances, params, observer).pictures;
   params.lens = Lens::round;
   params.eye = job.camera.eye;
   params.pupil = job.camera.pupil;
@@ -159,7 +160,7 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
   for (size_t d = 0; d < distances.size(); ++d) {
     params.focus = distances[d];
     params.field_of_view = std::atan(panel.height() / 2 / std::abs(distances[d]));
-    pictures.push_back(render(job.scene, panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));
+    pictures.push_back(render(exposure_of(job), panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));
     limit_to_pupil(pictures.back(), panel.pitch, wavelength, distances[d] + params.eye.z, params.pupil);
   }
   return pictures;
@@ -272,7 +273,7 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
   const bool is_denoised = is_to_denoise(params.denoise, use) && can_denoise(job.scene, params.denoise, observer);
   const double traced = is_denoised ? of_tracing : 1;
   FocalStack stack =
-      trace_focal_stack(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), distances,
+      trace_focal_stack(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), distances,
                         params, between(observer, 0, traced));
   if (!is_denoised) return stack;
   const double each = (1 - traced) / double(stack.pictures.size());

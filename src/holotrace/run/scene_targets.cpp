@@ -59,8 +59,23 @@ std::vector<DepthSpan> merged(std::vector<DepthSpan> spans) {
   return out;
 }
 
+// The depths of the scene; while a shutter is open, of its first, its middle and its last moment.
 std::vector<DepthRange> ranges_of(const Job& job) {
-  return depth_ranges(job.scene, job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone));
+  const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
+  const std::vector<Moment>& moments = job.moments;
+  if (moments.empty()) return depth_ranges(job.scene, job.slm.grid, wavelength);
+  std::vector<DepthRange> ranges;
+  for (const size_t m : {size_t(0), moments.size() / 2, moments.size() - 1})
+    for (const DepthRange& range : depth_ranges(*moments[m].scene, job.slm.grid, wavelength)) ranges.push_back(range);
+  std::sort(ranges.begin(), ranges.end(),
+            [](const DepthRange& a, const DepthRange& b) { return a.nearest < b.nearest; });
+  std::vector<DepthRange> apart;
+  for (const DepthRange& range : ranges)
+    if (!apart.empty() && range.nearest <= apart.back().farthest)
+      apart.back().farthest = std::max(apart.back().farthest, range.farthest);
+    else
+      apart.push_back(range);
+  return apart;
 }
 
 }  // namespace
@@ -293,7 +308,7 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
         planes.distances.push_back(distance);
     if (job.encode.target == EncodeTarget::light_field)
       planes.light_field = LightFieldParams{.distance = targets.distances[targets.distances.size() / 2]};
-    SceneViews views = trace_scene_views(job.scene, job.slm.grid, shared_wavelength(job), planes, params, observer);
+    SceneViews views = trace_scene_views(exposure_of(job), job.slm.grid, shared_wavelength(job), planes, params, observer);
     denoise_targets(job, views.stack.pictures, views.light_field.views, observer);
     for (FocalStack* stack : {&targets.planes, &targets.seen}) stack->grid = views.stack.grid;
     targets.seen.distances = job.camera.distances;

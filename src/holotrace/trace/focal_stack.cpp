@@ -17,6 +17,7 @@
 #include "holotrace/data/image.h"
 #include "holotrace/data/params/parameter.h"
 #include "holotrace/trace/camera_rays.h"
+#include "holotrace/trace/exposed_scene.h"
 #include "holotrace/trace/stack_planes.h"
 
 namespace holotrace {
@@ -169,18 +170,21 @@ struct StackLens {
 
 class StackTracing {
  public:
-  StackTracing(const PathScene& scene, const PanelRays& rays, double lens_z, const RenderParams& params)
-      : scene_(scene), rays_(rays), lens_z_(lens_z), params_(params) {}
+  /// The tracing of moment m of N.
+  StackTracing(const PathScene& scene, size_t moment, size_t moments, const PanelRays& rays, double lens_z,
+               const RenderParams& params)
+      : scene_(scene), moment_(moment), moments_(moments), rays_(rays), lens_z_(lens_z), params_(params) {}
 
-  /// Traces the paths of some pixels of a plane, [first, last) row by row, and adds them to `found`.
+  /// Traces the moment's paths of some pixels of a plane, [first, last) row by row, and adds them to `found`.
   void trace(int plane, const Grid& grid, int64_t first, int64_t last, std::vector<TracedRay>& found,
              PathCounts& counts) const {
     for (int64_t pixel = first; pixel < last; ++pixel) {
       const int row = int(pixel / grid.nx), column = int(pixel % grid.nx);
       const int candidates = rays_.candidates(plane, row, column);
+      const PathRange paths = paths_of_moment(moment_, moments_, candidates, uint64_t(params_.seed), uint64_t(pixel));
       LowDiscrepancy numbers(uint64_t(params_.seed), uint32_t(plane), uint64_t(pixel));
-      for (int path = 0; path < candidates; path += most_together)
-        trace({plane, row, column, candidates}, path, numbers, found, counts);
+      for (int block = paths.first / most_together * most_together; block < paths.last; block += most_together)
+        trace({plane, row, column, candidates}, paths, block, numbers, found, counts);
     }
   }
 
@@ -189,14 +193,14 @@ class StackTracing {
     int plane, row, column, candidates;  // number of paths that may be followed
   };
 
-  /// The same for the paths of a pixel in one block of the numbers, from `first` on.
-  void trace(const Pixel& pixel, int first, LowDiscrepancy& numbers, std::vector<TracedRay>& found,
+  /// The same for the paths of a pixel that are in one block of the numbers.
+  void trace(const Pixel& pixel, PathRange paths, int block, LowDiscrepancy& numbers, std::vector<TracedRay>& found,
              PathCounts& counts) const {
     std::array<NumberedRay, most_together> rays;
     std::array<Vec3, most_together> lights;
     size_t count = 0;
-    for (int path = 0; path < std::min(most_together, pixel.candidates - first); ++path) {
-      numbers.start(uint32_t(first + path));
+    for (int path = std::max(0, paths.first - block); path < std::min(most_together, paths.last - block); ++path) {
+      numbers.start(uint32_t(block + path));
       const Vec2 place = numbers.two(), lens_place = numbers.two();
       const auto ray = rays_.ray(pixel.plane, {pixel.column + place.x, pixel.row + place.y}, lens_place);
       if (numbers.one() >= (ray ? rays_.keep_probability(pixel.plane, *ray, pixel.candidates) : 0)) continue;
@@ -218,23 +222,23 @@ class StackTracing {
   }
 
   const PathScene& scene_;
+  size_t moment_, moments_;
   const PanelRays& rays_;
   double lens_z_;
   const RenderParams& params_;
 };
 
-/// Traces the rays of all planes in turn, in bands of a size that memory holds, and adds them to the targets.
-PathCounts fill_targets(const PathScene& scene, const StackLens& lens, const RenderParams& params,
-                        std::vector<Target>& targets, const Observer& observer) {
-  std::vector<PixelPlane> planes;
-  for (const Target& target : targets) planes.push_back(target.plane);
-  const PanelRays rays(lens.window, lens.tangent, planes, paths_per_pixel(params));
-  const StackTracing tracing(scene, rays, lens.z, params);
+/// Traces the rays of all planes at one moment, in bands of a size that memory holds, and adds them to the targets.
+PathCounts fill_at_moment(PreparedExposure& scenes, size_t moment, const PanelRays& rays, double lens_z,
+                          const Grid& lens, const RenderParams& params, std::vector<Target>& targets,
+                          const Observer& observer) {
+  const StackTracing tracing(scenes.at(moment), moment, scenes.moments(), rays, lens_z, params);
   constexpr int64_t pixels_per_block = 64, rays_per_band = int64_t(1) << 21;
-  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * paths_per_pixel(params)));
+  const int64_t paths = std::max<int64_t>(1, paths_per_pixel(params) / int64_t(scenes.moments()));
+  const int64_t blocks_per_band = std::max<int64_t>(1, rays_per_band / (pixels_per_block * paths));
   PathCounts total;
-  for (size_t p = 0; p < planes.size(); ++p) {
-    const Grid& grid = planes[p].grid;
+  for (size_t p = 0; p < targets.size(); ++p) {
+    const Grid grid = targets[p].plane.grid;
     const int64_t blocks = (grid.pixels() + pixels_per_block - 1) / pixels_per_block;
     for (int64_t band = 0; band < blocks; band += blocks_per_band) {
       const int64_t in_band = std::min(blocks_per_band, blocks - band);
@@ -246,15 +250,34 @@ PathCounts fill_targets(const PathScene& scene, const StackLens& lens, const Ren
                       counts[size_t(i)]);
       });
       for (const PathCounts& one : counts) total += one;
-      add_rays(found, lens.window, targets);
+      add_rays(found, lens, targets);
       // The first plane has nearly all of the work.
       observer.progress(p == 0 ? 0.8 * double(band + in_band) / double(blocks)
                                : 0.8 + 0.2 * (double(p - 1) + double(band + in_band) / double(blocks)) /
-                                           double(planes.size() - 1));
+                                           double(targets.size() - 1));
     }
   }
   observer.progress(1);
   return total;
+}
+
+/// The same at all moments.
+PathCounts fill_targets(PreparedExposure& scenes, const StackLens& lens, const RenderParams& params,
+                        std::vector<Target>& targets, const Observer& observer) {
+  std::vector<PixelPlane> planes;
+  for (const Target& target : targets) planes.push_back(target.plane);
+  const PanelRays rays(lens.window, lens.tangent, planes, paths_per_pixel(params));
+  PathCounts total;
+  for (size_t moment = 0; moment < scenes.moments(); ++moment)
+    total += fill_at_moment(scenes, moment, rays, lens.z, lens.window, params, targets,
+                            part_of(observer, int(moment), int(scenes.moments())));
+  return total;
+}
+
+/// Adds the mean light of the luminous points to a picture.
+void draw_points(PreparedExposure& scenes, const PanelPart& part, const PixelPlane& plane, Image& picture) {
+  for (size_t moment = 0; scenes.has_points() && moment < scenes.moments(); ++moment)
+    draw_points(scenes.at(moment).accelerator, part, plane, 1 / double(scenes.moments()), picture);
 }
 
 void check_light_field(const LightFieldParams& p, const Grid& panel) {
@@ -306,7 +329,7 @@ std::vector<Target> make_targets(const ScenePlanes& planes, const Grid& panel, s
 }
 
 /// The light field that a target has become, with its luminous points.
-LightField light_field_of(Target&& target, const Accelerator& scene, const Grid& panel, double wavelength,
+LightField light_field_of(Target&& target, PreparedExposure& scenes, const Grid& panel, double wavelength,
                           const StackLens& lens) {
   LightField field{panel,
                    lens.window,
@@ -321,13 +344,13 @@ LightField light_field_of(Target&& target, const Accelerator& scene, const Grid&
     const double high = field.top() - cell / field.columns * field.cell_height();
     const PanelPart part{
         left, left + field.cell_width(), high - field.cell_height(), high, lens.z, lens.tangent, panel, wavelength};
-    draw_points(scene, part, target.plane, field.views[size_t(cell)]);
+    draw_points(scenes, part, target.plane, field.views[size_t(cell)]);
   }
   return field;
 }
 
-void check_tracing(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params) {
-  check_scene(scene);
+void check_tracing(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params) {
+  for (const Moment& moment : exposure.moments) check_scene(*moment.scene);
   check_grid(panel);
   check_wavelength(wavelength, panel);
   check_ranges(params);
@@ -335,16 +358,16 @@ void check_tracing(const Scene& scene, const Grid& panel, double wavelength, con
 
 }  // namespace
 
-SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
+SceneViews trace_scene_views(const Exposure& exposure, const Grid& panel, double wavelength, const ScenePlanes& planes,
                              const RenderParams& params, const Observer& observer) {
-  check_tracing(scene, panel, wavelength, params);
+  check_tracing(exposure, panel, wavelength, params);
   check_planes(planes, panel);
   const StackLens lens{panel, 0, acceptance_tangent(wavelength, panel.pitch)};
-  const PathScene path_scene = make_path_scene(scene, params);
-  warn_of_caustics(path_scene, observer);
+  PreparedExposure scenes(exposure, params);
+  warn_of_caustics(scenes.at(0), observer);
   std::vector<int> places;
   std::vector<Target> targets = make_targets(planes, panel, places);
-  const PathCounts counts = fill_targets(path_scene, lens, params, targets, observer);
+  const PathCounts counts = fill_targets(scenes, lens, params, targets, observer);
 
   SceneViews views;
   views.stack = {panel, planes.distances, std::vector<Image>(planes.distances.size())};
@@ -354,37 +377,37 @@ SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavel
   for (size_t t = 0; t < targets.size(); ++t) {
     Target& target = targets[t];
     if (places[t] < 0) {
-      views.light_field = light_field_of(std::move(target), path_scene.accelerator, panel, wavelength, lens);
+      views.light_field = light_field_of(std::move(target), scenes, panel, wavelength, lens);
       continue;
     }
     Image& picture = views.stack.pictures[size_t(places[t])];
     picture = means_by_pixel(std::move(target.sums.front()));
-    draw_points(path_scene.accelerator, whole, target.plane, picture);
+    draw_points(scenes, whole, target.plane, picture);
   }
   report(counts, params.max_depth, observer);
   return views;
 }
 
-LightField trace_light_field(const Scene& scene, const Grid& panel, double wavelength, const LightFieldParams& field,
+LightField trace_light_field(const Exposure& exposure, const Grid& panel, double wavelength, const LightFieldParams& field,
                              const RenderParams& params, const Observer& observer) {
-  check_tracing(scene, panel, wavelength, params);
+  check_tracing(exposure, panel, wavelength, params);
   check_light_field(field, panel);
   require(field.lens_z >= 0, "expected a lens on the panel or in front of it (z of 0 m or more), got z = {}",
           format_length(field.lens_z));
   const StackLens lens{field.lens.pixels() > 0 ? field.lens : panel, field.lens_z,
                        acceptance_tangent(wavelength, panel.pitch)};
-  const PathScene path_scene = make_path_scene(scene, params);
-  warn_of_caustics(path_scene, observer);
+  PreparedExposure scenes(exposure, params);
+  warn_of_caustics(scenes.at(0), observer);
   std::vector<int> places;
   std::vector<Target> targets = make_targets({{}, field}, panel, places);
-  report(fill_targets(path_scene, lens, params, targets, observer), params.max_depth, observer);
-  return light_field_of(std::move(targets.front()), path_scene.accelerator, panel, wavelength, lens);
+  report(fill_targets(scenes, lens, params, targets, observer), params.max_depth, observer);
+  return light_field_of(std::move(targets.front()), scenes, panel, wavelength, lens);
 }
 
-FocalStack trace_focal_stack(const Scene& scene, const Grid& panel, double wavelength,
+FocalStack trace_focal_stack(const Exposure& exposure, const Grid& panel, double wavelength,
                              const std::vector<double>& distances, const RenderParams& params,
                              const Observer& observer) {
-  return trace_scene_views(scene, panel, wavelength, {distances, {}}, params, observer).stack;
+  return trace_scene_views(exposure, panel, wavelength, {distances, {}}, params, observer).stack;
 }
 
 }  // namespace holotrace

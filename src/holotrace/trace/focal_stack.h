@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/data/exposure.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/light_field.h"
 #include "holotrace/data/params/render.h"
-#include "holotrace/data/scene.h"
 
 namespace holotrace {
 
@@ -63,7 +63,9 @@ struct SceneViews {
 /// and high. The mesh in front of it is looked for from the centre of the panel, or of the cell. In focus a point is
 /// as bright as in `render`.
 ///
-/// @param scene       behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
+/// **Shutter.** Pictures of an exposure are means over its time, as those of `render`.
+///
+/// @param exposure    moments of a scene behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
 /// @param panel       the lens, and the pixels of every plane of the stack
 /// @param wavelength  used for the acceptance [m]; colours do not depend on it
 /// @param planes      at least one plane, of the stack or of the light field
@@ -74,18 +76,18 @@ struct SceneViews {
 ///                    fewer cells than 1 × 1 or more than the panel has pixels, and if the memory does not suffice
 ///
 /// Cost: about 1 + 2·ln(farthest/nearest) renders of as many paths per pixel.
-SceneViews trace_scene_views(const Scene& scene, const Grid& panel, double wavelength, const ScenePlanes& planes,
+SceneViews trace_scene_views(const Exposure& exposure, const Grid& panel, double wavelength, const ScenePlanes& planes,
                              const RenderParams& params, const Observer& observer = {});
 
 /// A light field alone, of the panel or of a lens in front of it: light for eyes there. In the definition above the lens then
 /// takes the place of the panel. Rays that pass beside the panel, or at larger angles than it accepts, count as well;
 /// picture_through (view/pupil_picture.h) leaves them out.
 /// @param params  paths: per pixel of its plane, shared among all cells
-LightField trace_light_field(const Scene& scene, const Grid& panel, double wavelength, const LightFieldParams& field,
+LightField trace_light_field(const Exposure& exposure, const Grid& panel, double wavelength, const LightFieldParams& field,
                              const RenderParams& params, const Observer& observer = {});
 
 /// The focal stack alone.
-FocalStack trace_focal_stack(const Scene& scene, const Grid& panel, double wavelength,
+FocalStack trace_focal_stack(const Exposure& exposure, const Grid& panel, double wavelength,
                              const std::vector<double>& distances, const RenderParams& params,
                              const Observer& observer = {});
 

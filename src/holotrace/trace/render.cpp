@@ -16,6 +16,7 @@
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/parameter.h"
 #include "holotrace/trace/camera_rays.h"
+#include "holotrace/trace/exposed_scene.h"
 #include "holotrace/trace/geometry/first_hits.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/trace_report.h"
@@ -70,17 +71,18 @@ struct Pixel {
   int row, column;
 };
 
-Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, const RenderParams& params,
-                  PathCounts& counts) {
+// The sum over some of the paths of a pixel.
+Vec3 sum_paths(const PathScene& scene, const Eye& eye, const Pixel& pixel, PathRange paths, const RenderParams& params,
+               PathCounts& counts) {
   const auto [row, column] = pixel;
   LowDiscrepancy numbers(uint64_t(params.seed), 0, uint64_t(row) * uint64_t(eye.columns) + uint64_t(column));
   Vec3 sum;
   std::array<NumberedRay, most_together> rays;
   std::array<Vec3, most_together> lights;
-  for (int first = 0; first < params.paths; first += most_together) {
+  for (int block = paths.first / most_together * most_together; block < paths.last; block += most_together) {
     size_t count = 0;
-    for (int path = 0; path < std::min(most_together, params.paths - first); ++path) {
-      numbers.start(uint32_t(first + path));
+    for (int path = std::max(0, paths.first - block); path < std::min(most_together, paths.last - block); ++path) {
+      numbers.start(uint32_t(block + path));
       const Vec2 place = numbers.two();
       const auto ray = eye.ray(column + place.x, row + place.y, eye.needs_lens_place() ? numbers.two() : Vec2{});
       if (ray) rays[count++] = {scene.accelerator.from_viewer(*ray), uint32_t(path)};
@@ -89,7 +91,7 @@ Vec3 render_pixel(const PathScene& scene, const Eye& eye, const Pixel& pixel, co
                    {lights.data(), count}, counts);
     sum = std::accumulate(lights.begin(), lights.begin() + int64_t(count), sum);
   }
-  return sum / params.paths;
+  return sum;
 }
 
 /// Adds light at (column, row), with pixel centres at integers, shared among the four pixels around it.
@@ -102,8 +104,9 @@ void add_between(Image& image, double column, double row, Vec3 light) {
     }
 }
 
-/// Adds the luminous points that fall into the picture and that no mesh hides from the eye.
-void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, double wavelength, Image& image) {
+/// Adds that part of the light of the luminous points that fall into the picture and that no mesh hides from the eye.
+void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, double wavelength, double part,
+                 Image& image) {
   const Vec3 from = eye.lens == Lens::panel ? Vec3{} : eye.position;
   for (const ScenePoint& point : scene.scene().points) {
     const Vec3 way = point.position - from;
@@ -117,14 +120,14 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
     if (!is_inside || scene.is_hidden(from, point.position)) continue;
     const double side = std::abs(eye.pixel * distance / (eye.focus + from.z));
     const double radiance = point_light(point, from, panel, wavelength) / (side * side);
-    add_between(image, column, row, Vec3{1, 1, 1} * radiance);
+    add_between(image, column, row, Vec3{1, 1, 1} * (part * radiance));
   }
 }
 
 // The picture, or only its pixels in the mask; the others hold nothing but luminous points.
-Image render_masked(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& asked,
+Image render_masked(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& asked,
                     const PixelMask* mask, const Observer& observer) {
-  check_scene(scene);
+  for (const Moment& moment : exposure.moments) check_scene(*moment.scene);
   check_grid(panel);
   check_wavelength(wavelength, panel);
   check_ranges(asked);
@@ -133,41 +136,54 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
   params.paths = paths_per_pixel(asked);
 
   const int rows = params.rows, columns = params.columns > 0 ? params.columns : rows;
-  const Eye eye{.columns = columns,
-                .rows = rows,
-                .pixel = 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows,
-                .lens = params.lens,
-                .position = params.eye,
-                .pupil = params.pupil,
-                .focus = params.focus,
-                .panel_x = panel.width() / 2,
-                .panel_y = panel.height() / 2,
-                .reach = box_radius(std::abs(params.focus), wavelength, panel.pitch)};
-  const PathScene path_scene = make_path_scene(scene, params);
-  warn_of_caustics(path_scene, observer);
+  Eye eye{.columns = columns,
+          .rows = rows,
+          .pixel = 2 * raster_tangent(params.field_of_view, panel, wavelength) / rows,
+          .lens = params.lens,
+          .position = params.eye,
+          .pupil = params.pupil,
+          .focus = params.focus,
+          .panel_x = panel.width() / 2,
+          .panel_y = panel.height() / 2,
+          .reach = box_radius(std::abs(params.focus), wavelength, panel.pitch)};
+  PreparedExposure prepared(exposure, params);
+  warn_of_caustics(prepared.at(0), observer);
   require_memory(3.0 * (sizeof(float) + 1) * columns * rows,  // a byte each when it is saved
                  fmt::format("a picture of {} × {} pixels", columns, rows));
   Image image(rows, columns, 3);
   std::vector<PathCounts> counts(size_t(rows), PathCounts{});
   constexpr int often = 16;  // pixels between reports: a row of many paths takes long, and a caller may want to stop
   std::atomic<int64_t> done{0};
-  const auto render_row = [&](int64_t row) {
-    for (int first = 0; first < columns; first += often) {
-      const int end = std::min(columns, first + often);
-      for (int column = first; column < end; ++column)
-        if (!mask || (*mask)[size_t(row) * size_t(columns) + size_t(column)])
-          add(image, int(row), column, render_pixel(path_scene, eye, {int(row), column}, params, counts[size_t(row)]));
-      const int64_t pixels = done += end - first;
-      observer.progress(double(pixels) / (double(rows) * columns));
-    }
-  };
-  parallel_for(0, rows, render_row);
-  draw_points(path_scene.accelerator, eye, panel, wavelength, image);
+  for (size_t moment = 0; moment < exposure.moments.size(); ++moment) {
+    const PathScene& path_scene = prepared.at(moment);
+    eye.position = params.eye + exposure.moments[moment].eye_moved;
+    parallel_for(0, rows, [&](int64_t row) {
+      for (int first = 0; first < columns; first += often) {
+        const int end = std::min(columns, first + often);
+        for (int column = first; column < end; ++column) {
+          const size_t pixel = size_t(row) * size_t(columns) + size_t(column);
+          const PathRange paths =
+              paths_of_moment(moment, exposure.moments.size(), params.paths, uint64_t(params.seed), pixel);
+          if (paths.first == paths.last || (mask && !(*mask)[pixel])) continue;
+          const Vec3 sum = sum_paths(path_scene, eye, {int(row), column}, paths, params, counts[size_t(row)]);
+          add(image, int(row), column, sum / params.paths);
+        }
+        const int64_t pixels = done += end - first;
+        observer.progress(double(pixels) / (double(rows) * columns * double(exposure.moments.size())));
+      }
+    });
+  }
+  for (size_t moment = 0; prepared.has_points() && moment < exposure.moments.size(); ++moment) {
+    const Accelerator& accelerator = prepared.at(moment).accelerator;
+    eye.position = params.eye + exposure.moments[moment].eye_moved;
+    draw_points(accelerator, eye, panel, wavelength, 1 / double(exposure.moments.size()), image);
+  }
 
   PathCounts total;
   for (const PathCounts& row : counts) total += row;
   report(total, params.max_depth, observer);
   const bool is_black = std::all_of(image.values.begin(), image.values.end(), [](float v) { return v == 0; });
+  const Scene& scene = *exposure.moments.front().scene;
   if (!mask && is_black && has_surfaces(scene))
     observer.warn("the picture is black: " +
                   (total.vertices > 0
@@ -178,12 +194,12 @@ Image render_masked(const Scene& scene, const Grid& panel, double wavelength, co
 
 }  // namespace
 
-Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+Image render(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer) {
-  return render_masked(scene, panel, wavelength, params, nullptr, observer);
+  return render_masked(exposure, panel, wavelength, params, nullptr, observer);
 }
 
-void render_pixels(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+void render_pixels(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
                    const PixelMask& mask, Image& image, const Observer& observer) {
   check_ranges(params);
   const int columns = params.columns > 0 ? params.columns : params.rows;
@@ -192,7 +208,7 @@ void render_pixels(const Scene& scene, const Grid& panel, double wavelength, con
           "expected a picture of {} × {} pixels in three colours, with a mask of as many pixels, got {} × {}, {} "
           "colour(s) and {} pixels",
           columns, params.rows, image.nx, image.ny, image.channels, mask.size());
-  const Image made = render_masked(scene, panel, wavelength, params, &mask, observer);
+  const Image made = render_masked(exposure, panel, wavelength, params, &mask, observer);
   for (size_t i = 0; i < pixels; ++i)
     if (mask[i]) std::copy_n(&made.values[3 * i], 3, &image.values[3 * i]);
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/data/exposure.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/params/render.h"
@@ -36,15 +37,18 @@ namespace holotrace {
 ///
 ///     L·dA·(f/(f + z))²·cos⁴θ = a²·(d₀/r)²        for an eye at the origin  L = a²/(dA·cos²θ), as in `trace`
 ///
-/// @param scene       behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
+/// **Shutter.** The picture of an exposure is the mean over its time: paths are drawn stratified over its moments (exposed_scene.h),
+/// and the eye moves, too. A luminous point adds its mean light.
+///
+/// @param exposure    moments of a scene behind the panel (z < 0 [m]), in front of it (z > 0), or on both sides
 /// @param panel       used for its acceptance, if no field_of_view is given, and for its area as a lens
 /// @param wavelength  used for the acceptance [m]; colours do not depend on it
 /// @param params      columns 0: square picture. Several path groups add up; a path in two of them counts twice
 /// @param observer    receives the facts of `report`
 /// @throws Error      as `trace` does, and for an eye behind the panel (z < 0), a focus or pupil of 0 or less
 ///
-/// Cost: as `trace`, one first hit per path.
-Image render(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+/// Cost: as `trace`, one first hit per path; and the trees of each moment.
+Image render(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer = {});
 
 /// Mask of a picture's pixels, row by row; a pixel that is not 0 is selected.
@@ -52,7 +56,7 @@ using PixelMask = std::vector<uint8_t>;
 
 /// Replaces pixels of a picture by those that render makes of these parameters, to the last bit.
 /// @throws Error  as render does, and unless picture and mask have the size that the parameters ask for
-void render_pixels(const Scene& scene, const Grid& panel, double wavelength, const RenderParams& params,
+void render_pixels(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
                    const PixelMask& mask, Image& image, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -150,7 +150,8 @@ std::vector<Share> shares(const Pixels& pixels, const Interval& lens, double pla
 
 }  // namespace
 
-void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPlane& plane, Image& picture) {
+void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPlane& plane, double share,
+                 Image& picture) {
   const Grid& grid = plane.grid;
   const Pixels columns{grid.x(0), grid.pitch, grid.nx}, rows{grid.y(0), -grid.pitch, grid.ny};
   const Vec3 centre{(part.left + part.right) / 2, (part.low + part.high) / 2, part.z};
@@ -161,7 +162,7 @@ void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPla
     const auto down = shares(rows, {part.low, part.high}, point.position.y, depth, plane.distance, part.tangent);
     if (across.empty() || down.empty() || scene.is_hidden(centre, point.position)) continue;
     const double side = grid.pitch / std::abs(plane.distance);  // of a pixel, as a tangent
-    const double light = point_light(point, centre, part.panel, part.wavelength) / (side * side);
+    const double light = share * point_light(point, centre, part.panel, part.wavelength) / (side * side);
     for (const Share& row : down)
       for (const Share& column : across)
         for (int channel = 0; channel < picture.channels; ++channel)

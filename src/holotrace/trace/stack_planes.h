@@ -71,6 +71,8 @@ struct PanelPart {
 /// Adds the luminous points of a scene to the picture that a part of the panel has of a plane (focal_stack.h,
 /// "Luminous points").
 /// @param plane  its distance is that from the lens
-void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPlane& plane, Image& picture);
+/// @param share  factor of their light
+void draw_points(const Accelerator& scene, const PanelPart& part, const PixelPlane& plane, double share,
+                 Image& picture);
 
 }  // namespace holotrace

@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 // The fingerprint of all that the results of a job depend on.
 std::string fingerprint(Job job) {
   job.time = 0;
+  job.shutter = {};  // its moments are there
   job.last_key.reset();
   job.animate = {};
   job.warnings.clear();
@@ -81,12 +82,20 @@ std::vector<Hologram> last_holograms(const std::string& folder, size_t time) {
   return holograms;
 }
 
-// Writes the film of one kind of pictures, or its series.
-void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white, double fps) {
+// Writes the film of one kind of pictures, or its series. Each is the mean over the times that are shown while the shutter is open.
+void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white, const FilmPlan& plan) {
+  const double fps = plan.fps, intervals = std::max(1.0, plan.shutter * fps);
   const auto picture = [&](size_t i) {
-    Image image = load_image(pictures[i]);
-    for (float& value : image.values) value = float(value / white);
-    return image;
+    Image sum = load_image(pictures[i]);
+    double shown = 1;  // intervals
+    for (size_t k = i + 1; k < pictures.size() && double(k - i) < intervals; ++k) {
+      const double part = std::min(1.0, intervals - double(k - i));
+      const Image image = load_image(pictures[k]);
+      for (size_t v = 0; v < sum.values.size(); ++v) sum.values[v] += float(part * image.values[v]);
+      shown += part;
+    }
+    for (float& value : sum.values) value = float(value / (shown * white));
+    return sum;
   };
   if (!is_series_name(path)) return save_film(path, {pictures.size(), picture}, fps);
   for (size_t i = 0; i < pictures.size(); ++i) save_image(series_path(path, i), picture(i), 1, 8);
@@ -150,12 +159,12 @@ SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWa
         std::vector<std::string> pictures;
         for (const TimeOfFilm& time : times) pictures.push_back(numbered_path(time.path(first), k));
         const std::string name = k == 0 ? std::string(kind) : fmt::format("{}_{}", kind, k + 1);
-        save_pictures(set.path(name + film_ending(plan.format)), pictures, white, plan.fps);
+        save_pictures(set.path(name + film_ending(plan.format)), pictures, white, plan);
       }
     }
     write_timing(set.path("timing.csv"), times, plan.fps);
     saved.files = set.record();
-    save_film_report(set.path("report.json"), times, plan.fps, white, saved.files);
+    save_film_report(set.path("report.json"), times, plan.fps, plan.shutter, white, saved.files);
     if (watch.before_naming) naming = watch.before_naming();
   });
   saved.notes.insert(saved.notes.end(), aside.begin(), aside.end());

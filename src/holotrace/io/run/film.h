@@ -17,6 +17,7 @@ struct FilmPlan {
   double fps = 25;                         ///< times that are shown per second
   FilmFormat format = FilmFormat::webp;    ///< of the films
   std::function<Job(double time)> job_at;  ///< the scene at a time [s]
+  double shutter = 0;                      ///< exposure time of the camera that makes the films [s]
   bool from_last = false;                  ///< AnimateParams::from_last
 };
 
@@ -49,6 +50,9 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 ///
 /// **Exposure.** All pictures of the films have the same white: the brightest of those of the renders. Views are shown as bright
 /// as their renders, as if the light on the panel followed the scene's (timing.csv has it).
+///
+/// **Shutter.** A camera whose shutter is open for longer than 1/fps sees several holograms: a picture of a film is the mean of the
+/// pictures of all times that are shown while it is open, the last one by the part of its time. Blur within 1/fps is that of the jobs.
 ///
 /// **Resuming.** A time whose folder holds the finished run of the same job, by a fingerprint of the whole job and of the
 /// program's version, is kept. So a call that was killed goes on with the first time that it has not finished, and a longer film

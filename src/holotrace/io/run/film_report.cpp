@@ -54,13 +54,14 @@ void write_timing(const std::string& path, const std::vector<TimeOfFilm>& times,
   write_text(path, text);
 }
 
-void save_film_report(const std::string& path, const std::vector<TimeOfFilm>& times, double fps, double white,
-                      const FileRecord& files) {
+void save_film_report(const std::string& path, const std::vector<TimeOfFilm>& times, double fps, double shutter,
+                      double white, const FileRecord& files) {
   OrderedJson json{{"versions", {{"holotrace", HOLOTRACE_VERSION}}},
                    {"fps", fps},
                    {"seconds_of_film", double(times.size()) / fps},
                    {"white_w_per_m2_sr", white},
                    {"times", OrderedJson::array()}};
+  if (shutter > 0) json["shutter_s"] = shutter;
   double total = 0;
   for (const TimeOfFilm& time : times) {
     OrderedJson views = OrderedJson::array();

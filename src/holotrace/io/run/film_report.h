@@ -35,7 +35,7 @@ TimeOfFilm read_film_time(const std::string& folder, double seconds);
 void write_timing(const std::string& path, const std::vector<TimeOfFilm>& times, double fps);
 
 /// Writes the report of a film: its times, each with the seconds and the figures of its views, and its files.
-void save_film_report(const std::string& path, const std::vector<TimeOfFilm>& times, double fps, double white,
-                      const FileRecord& files);
+void save_film_report(const std::string& path, const std::vector<TimeOfFilm>& times, double fps, double shutter,
+                      double white, const FileRecord& files);
 
 }  // namespace holotrace

@@ -70,8 +70,20 @@ void choose_time(TomlTable& root, std::optional<double> asked) {
   root.read_at(time);
 }
 
+Shutter read_shutter(TomlTable& root) {
+  const toml::node* node = root.find("shutter");
+  if (!node) return {};
+  const auto seconds = root.arrays() ? to_number(*node) : std::nullopt;  // tables in memory have numbers in SI units
+  const auto text = seconds ? fmt::format("{:.17g} s", *seconds) : node->value<std::string>();
+  if (!text) root.fail_kind("shutter", "a time or an angle with its unit, such as \"20 ms\" or \"180 deg\",", *node);
+  Shutter shutter;
+  root.locate("shutter", [&] { shutter = parse_shutter(*text); });
+  return shutter;
+}
+
 Job read_job(TomlTable& root, const std::string& path, Outside outside, std::optional<double> time) {
   Job job;
+  job.shutter = read_shutter(root);
   choose_time(root, time);
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
                               "render", "synthesize", "encode", "show", "propagate", "camera", "animate"})

@@ -21,6 +21,7 @@ namespace holotrace {
 /// @param slm      panel in place of the scene's, or of `pluto` for a file of meshes, as load_slm takes it; "": theirs
 /// @param time     time at which keys over time and the animations of models are read [s]; nothing: `time` of the scene file, or 0
 /// @param edits    values in place of those of the scene file; of a file of meshes: of `model`, by their names
+/// @return         the job at that time; its shutter is not open (open_shutter)
 /// @throws Error starting with file:line:column for values that are missing, unknown (naming the nearest known
 ///         name), without a unit, out of range, or in front of the panel
 Job load_job(const std::string& path, Outside outside = Outside::refused, const ModelParams& model = {},
