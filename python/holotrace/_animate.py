@@ -37,6 +37,8 @@ def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
         scene = function(0.0 if time is None else time)
         if not isinstance(scene, Scene):
             raise _core.Error(f"expected a Scene at {time} s, got {type(scene).__name__}")
+        scene = scene.copy()
+        scene._core.move_eye(0.0 if time is None else time)
         return scene
 
     return scene_at
@@ -59,15 +61,20 @@ def animate(
         for one in ht.animate("chess.toml", seconds=2, fps=25, stages={"trace": {"paths": 16}}):
             one.holograms[0].save(f"hologram_{one.time:.3f}.png")
 
-    Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
+    A viewer who walks has ``stages={"eye": {"track": "walk.csv", "latency": "20 ms"}}``: the holograms are for the measured eye, the
+    views and renders those of the eye itself. Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
     """
     scene_at = _at(moving, allow_outside)
-    times, from_last = scene_at(None)._core.times(params)
+    tables = stages or {}
+    first = scene_at(None).replace(**tables)
+    times, from_last = first._core.times(params)
+    if first.parameters("eye")["track"]:
+        scene_at(times[-1]).replace(**tables)  # a track that ends before is an error at once
 
     def runs() -> Iterator[Run]:
         last = None
         for time in times:
-            made = run(scene_at(time), last=last, progress=progress, **(stages or {}))
+            made = run(scene_at(time), last=last, progress=progress, **tables)
             last = made.holograms if from_last else None
             made.time = time
             yield made

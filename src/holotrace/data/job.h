@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/data/eye_track.h"
 #include "holotrace/data/params/animate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/eye.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
 #include "holotrace/data/params/show.h"
@@ -31,6 +33,8 @@ struct Job {
   PropagateParams propagate;
   CameraParams camera;
   AnimateParams animate;
+  EyeParams eye;
+  std::optional<TrackedEye> tracked{};  ///< the eye at `time`, whose place is camera.eye; nothing without an eye track
   double time = 0;                    ///< time [s] at which the values of the scene were read
   std::optional<double> last_key{};   ///< latest key over time in the scene [s]; nothing if nothing in it changes
   bool are_distances_given = true;    ///< camera.distances; else choose_missing takes them from the scene's depths

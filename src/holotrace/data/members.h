@@ -237,11 +237,16 @@ void members(Archive& archive, Chosen& part) {
   archive(parameter, value, why);
 }
 template <class Archive>
+void members(Archive& archive, TrackedEye& part) {
+  auto& [place, measured, unpredicted] = part;
+  archive(place, measured, unpredicted);
+}
+template <class Archive>
 void members(Archive& archive, Job& noun) {
-  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, last_key,
-         are_distances_given, warnings, chosen] = noun;
-  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, last_key,
-          are_distances_given, warnings, chosen);
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, eye, tracked,
+         time, last_key, are_distances_given, warnings, chosen] = noun;
+  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, eye, tracked,
+          time, last_key, are_distances_given, warnings, chosen);
 }
 
 // Of results.
