@@ -61,7 +61,7 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
           "output folder: t_0001, t_0002, … with the holograms, the render and the view of each time; films of the "
           "views (view.webp; several distances: view_2.webp, …) and of the renders (render.webp); timing.csv, "
           "the order in which a display shows the holograms; and report.json. The same command resumes an "
-          "interrupted one: finished times are kept")
+          "interrupted one: finished times are kept. Ranks (mpirun) share the times, or with --from-last the frames of each time")
       ->required()
       ->type_name("DIR");
   o->times.add(*command, AnimateParams(), {}, "Times (overrides the scene's [animate])");
@@ -69,9 +69,10 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
   shorten_help(*command,
                {"holotrace animate scene.toml -o film", "holotrace animate scene.toml -o film --seconds 2 --fps 25",
                 "holotrace animate walk.glb -o film --film-format mp4"},
-               {"--output",      "--film-start", "--seconds",    "--fps",     "--times",  "--shutter", "--from-last",
-                "--film-format", "--slm",        "--wavelength", "--quality", "--method", "--frames",  "--distance",
-                "--pupil",       "--eye",        "--paths",      "--seed",    "--help",   "--help-all"});
+               {"--output",    "--film-start", "--seconds",     "--fps",         "--times", "--shutter",
+                "--from-last", "--eye-track",  "--eye-latency", "--film-format", "--slm",   "--wavelength",
+                "--quality",   "--method",     "--frames",      "--distance",    "--pupil", "--eye",
+                "--paths",     "--seed",       "--help",        "--help-all"});
   command->callback([o, &global] {
     Job first = o->flags.job(o->scene, global.outside(), std::nullopt, 0);
     o->times.apply(first.animate);
@@ -91,6 +92,17 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
         !plan.from_last || aims_at_scene(first),
         "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave "
         "it out");
+    if (first.tracked) plan.job_at(plan.times.back());  // a track that ends before is an error at once
+    // Ranks share the times, or the frames of times that depend on each other.
+    Ranks& ranks = *global.ranks;
+    const size_t count = plan.times.size();
+    const bool shares_times = ranks.size() > 1 && !plan.from_last;
+    const TimeRange own =
+        shares_times ? share_of_times(count, size_t(ranks.rank()), size_t(ranks.size())) : TimeRange{0, count};
+    if (ranks.rank() > 0) {
+      report_times(ranks, make_times(o->folder, plan, own));
+      return;
+    }
     const std::vector<std::string> films = film_paths(o->folder, plan.format);
     if (has_animation_ending(films.front())) check_animation(films.front(), plan.fps);
     make_folder(o->folder);
@@ -98,8 +110,7 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
     for (const std::string& path : films) note_output(path);
     Console console(global.is_quiet);
     console.keep_progress_in(o->folder);
-    RankLinks links(*global.ranks, global.threads);
-    const size_t count = plan.times.size();
+    RankLinks links(ranks, global.threads);
     FilmWatch watch;
     watch.stages = [&](size_t i) {
       return
@@ -111,11 +122,17 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
       std::fflush(stdout);
     };
     watch.before_naming = defer_interrupts;
-    const SavedRun saved = make_film(o->folder, plan, watch, {}, &links);
-    global.ranks->is_job_running = false;
+    if (shares_times) start_times(ranks);
+    std::vector<std::string> notes = make_times(o->folder, plan, own, watch, {}, shares_times ? nullptr : &links);
+    if (shares_times)
+      for (const std::string& note : wait_for_times(ranks)) notes.push_back(note);
+    ranks.is_job_running = false;
+    const SavedRun saved = finish_film(o->folder, plan, watch);
     console.finish();
+    say_warnings(notes);
     say_warnings(saved.notes);
     if (global.is_quiet) return;
+    if (own.end < count) fmt::print("{} to {} of {}: by other ranks\n", own.end + 1, count, count);
     fmt::print("film of {} times, {:g} s at {:g} per second, in {}:", count, double(count) / plan.fps, plan.fps,
                printable(o->folder));
     for (const auto& [name, bytes] : saved.files) fmt::print(" {}", name);

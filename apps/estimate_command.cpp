@@ -8,6 +8,9 @@
 #include "commands.h"
 #include "flags.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/machine.h"
+#include "holotrace/run/choose.h"
+#include "holotrace/run/estimate/film_estimate.h"
 #include "holotrace/run/estimate/job_estimate.h"
 
 namespace holotrace {
@@ -61,6 +64,45 @@ void print_text(const CostAnswer& a) {
        "at the peak of this machine, in single precision");
 }
 
+void print_film(const FilmEstimate& film, double refresh, double cores_here) {
+  const auto line = [](const std::string& name, const std::string& value, const std::string& meaning) {
+    fmt::print("  {:<28} {:>14}  {}\n", name, value, meaning);
+  };
+  const auto count = [](double value) { return fmt::format("{:.4g}", value); };
+  const auto seconds = [](double value) { return fmt::format("{:.3g} s", value); };
+  const FilmCounts& counts = film.counts;
+  fmt::print("\nThe film, {:g} times at {:g} per second\n", counts.times, film.fps);
+  line("computed afresh", count(counts.afresh), "times");
+  if (counts.continued > 0)
+    line("continued", count(counts.continued), "times whose iterations go on from the last ones");
+  line("holograms reused", count(counts.reused), "times at which only the camera sees something else");
+  line("equal", count(counts.equal), "times at which nothing has changed");
+  line("holograms", count(film.holograms()),
+       fmt::format("{:g} at each time, of {:g} bit(s)", film.holograms_per_time, film.bits));
+  line("first time", seconds(film.first_seconds), "on this machine");
+  line("all times", seconds(film.seconds), "on this machine, with what is reused");
+  line("on disk", format_bytes(film.bytes_on_disk), "before compression, without the films");
+  fmt::print("\nThe display\n");
+  std::string of_panel = "give --refresh to compare it with the panel's";
+  if (refresh > 0)
+    of_panel = refresh >= film.holograms_per_second()
+                   ? fmt::format("the panel shows {:g}", refresh)
+                   : fmt::format("too many: the panel shows {:g}, enough for {:.3g} times per second", refresh,
+                                 refresh / film.holograms_per_time);
+  line("holograms", count(film.holograms_per_second()) + "/s", of_panel);
+  line("bit planes", count(film.bit_planes_per_second()) + "/s", "");
+  line("data", format_bytes(film.bytes_per_second()) + "/s", "to the panel");
+  fmt::print("\nThe film in real time\n");
+  line("Eq. 17, each time afresh", fmt::format("{:.3g} rays/s", film.rays_per_second), "F N (1 + l_avg)");
+  line("Eq. 17, with reuse", fmt::format("{:.3g} rays/s", film.new_rays_per_second), "of the times that are traced");
+  line("waves x pixels", fmt::format("{:.3g}/s", film.waves_pixels_per_second), "of the times that are summed");
+  line("seconds per time", seconds(film.real.seconds_per_frame), "trace, sum and encode what has changed");
+  line("number of such machines", fmt::format("{:.3g}", film.real.times),
+       fmt::format("of {:g} threads, if work scales perfectly", cores_here));
+  line("multiply-adds", fmt::format("{:.3g}/s", film.real.multiply_adds_per_second),
+       "at the peak of this machine, in single precision");
+}
+
 }  // namespace
 
 void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
@@ -70,7 +112,8 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       "probes");
   struct Options {
     std::string scene, time;
-    double frames_per_second = 30;
+    double frames_per_second = 30, refresh = 0;
+    Flags film{{{"start", "film_start"}}};
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
@@ -78,21 +121,48 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       ->required()
       ->type_name("SCENE.toml");
   add_time(*command, o->time);
-  command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second [30]")
+  CLI::Option* fps = command
+                         ->add_option("--fps", o->frames_per_second,
+                                      "frame rate of the real-time estimate and of the film, in frames per second "
+                                      "[30; a film: that of the scene's [animate]]")
+                         ->type_name("NUMBER");
+  command
+      ->add_option("--refresh", o->refresh,
+                   "holograms per second that the panel shows, to compare a film with it; 0: not known [0]")
       ->type_name("NUMBER");
+  o->film.add(*command, AnimateParams(), {"fps", "format"},
+              "Film (overrides the scene's [animate]; scenes that change over time, or with seconds or times)");
   command->add_flag(
       "--accelerators", o->has_accelerators,
       "also compare the time per ray of Embree and of the uniform grid (the paper's appendix); takes some "
       "seconds more");
   command->add_flag("--json", o->is_json, "as JSON");
-  command->callback([o, &global] {
+  command->callback([o, fps, &global] {
+    check_flag("--refresh", o->refresh, range::not_negative, Quantity::number);
     check_flag("--fps", o->frames_per_second, range::above_to(0, 1e6), Quantity::number);
-    const CostAnswer a = answer_about_cost(load_scene(o->scene, global.outside(), {}, "", parse_scene_time(o->time)),
-                                           o->frames_per_second, o->has_accelerators);
-    if (o->is_json)
-      fmt::print("{}\n", cost_json(a).dump(2));
-    else
-      print_text(a);
+    const auto job_at = [&](std::optional<double> time) {
+      return choose_missing(load_job(o->scene, global.outside(), {}, "", time));
+    };
+    Job job = load_scene(o->scene, global.outside(), {}, "", parse_scene_time(o->time));
+    o->film.apply(job.animate);
+    if (fps->count() > 0) job.animate.fps = o->frames_per_second;
+    const bool has_film = job.last_key || o->film.has("seconds") || o->film.has("times");
+    std::optional<FilmCounts> counts;
+    if (has_film) {
+      const std::vector<double> times = times_of(job.animate, job.last_key);
+      counts = count_film_times(times, job_at, job.animate.from_last);
+    }
+    const CostAnswer a = answer_about_cost(job, o->frames_per_second, o->has_accelerators);
+    std::optional<FilmEstimate> film;
+    if (counts) film = estimate_film(a, choose_missing(job), *counts, job.animate.fps);
+    if (o->is_json) {
+      auto json = cost_json(a);
+      if (film) json["film"] = film_json(*film);
+      fmt::print("{}\n", json.dump(2));
+      return;
+    }
+    print_text(a);
+    if (film) print_film(*film, o->refresh, thread_count());
   });
 }
 

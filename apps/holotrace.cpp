@@ -77,7 +77,8 @@ void use_kept_files() {
   set_program_store({load_kept_program, keep_program, keep_compiler_log});
 }
 
-int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
+// Runs the command line. @throws what its command throws, but for wrong usage, which is reported. @return the exit code
+int parse_and_run(int argc, char** argv, holotrace::Ranks& ranks) {
   using namespace holotrace;
   CLI::App app{"Holotrace turns 3D scenes into holograms and shows what a viewer sees."};
   app.set_version_flag("--version", std::string("holotrace ") + HOLOTRACE_VERSION);
@@ -124,6 +125,13 @@ int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
     return 0;
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error, argc, argv);
+  }
+}
+
+int run_command(int argc, char** argv, holotrace::Ranks& ranks) {
+  using namespace holotrace;
+  try {
+    return parse_and_run(argc, argv, ranks);
   } catch (const std::bad_alloc&) {
     return report_error(out_of_memory);
   } catch (const std::length_error&) {  // of a vector that is longer than the addresses of this machine
@@ -149,7 +157,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
     Ranks ranks(argc, argv);
     use_kept_files();
     if (ranks.rank() > 0) {
-      serve_ranks(ranks);
+      serve_ranks(ranks, [&] { parse_and_run(argc, argv, ranks); });
       return 0;
     }
     const int exit_code = after_output(run_command(argc, argv, ranks));

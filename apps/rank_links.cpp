@@ -66,12 +66,39 @@ namespace {
 
 }  // namespace
 
-void serve_ranks(Ranks& ranks) {
+void start_times(Ranks& ranks) {
+  ranks.is_job_running = true;
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, tag_times);
+}
+
+std::vector<std::string> wait_for_times(Ranks& ranks) {
+  std::vector<std::string> notes;
+  for (int rank = 1; rank < ranks.size(); ++rank) {
+    const Ranks::Message message = ranks.receive();
+    if (message.tag != tag_finished) throw Error(fmt::format("rank {}: {}", message.from, message.bytes));
+    std::vector<std::string> heard;
+    from_message(message.bytes, heard);
+    notes.insert(notes.end(), heard.begin(), heard.end());
+  }
+  ranks.is_job_running = false;
+  return notes;
+}
+
+void report_times(Ranks& ranks, const std::vector<std::string>& notes) {
+  ranks.send(0, tag_finished, to_message(notes));
+}
+
+void serve_ranks(Ranks& ranks, const std::function<void()>& run_command) {
   const Ranks::Message message = ranks.receive();
   const bool has_bands = message.tag == tag_job;
   try {
     if (has_bands) serve_bands(ranks, message);
     if (message.tag == tag_frames) serve_frames(ranks, message);
+    if (message.tag == tag_times) {
+      ignore_interrupts();  // rank 0 ends all ranks
+      run_command();
+      ranks.receive();  // the end
+    }
   } catch (const std::bad_alloc&) {
     report_failure(ranks, has_bands ? "expected enough memory for a band, but it ran out; give a smaller --memory or "
                                       "fewer ranks"

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "holotrace/base/process_links.h"
 #include "ranks.h"
@@ -35,7 +37,18 @@ class RankLinks : public ProcessLinks {
 void serve_frames(Ranks& ranks, const Ranks::Message& first);
 
 /// The function of every rank other than rank 0: does what rank 0 asks for until it reports the end.
-void serve_ranks(Ranks& ranks);
+/// @param run_command  runs the command line, which is that of rank 0: for the times of a film
+void serve_ranks(Ranks& ranks, const std::function<void()>& run_command);
+
+/// On rank 0: lets the other ranks run the command line, too.
+void start_times(Ranks& ranks);
+
+/// On rank 0, after its own times: waits for those of the other ranks. @return their sentences for the user
+/// @throws Error  with the sentence of a rank that has failed
+std::vector<std::string> wait_for_times(Ranks& ranks);
+
+/// On another rank, after its times: says so to rank 0. @param notes  what a user should hear
+void report_times(Ranks& ranks, const std::vector<std::string>& notes);
 
 /// Lets the other ranks end, or ends them at once if they are working when the work has failed here.
 void dismiss_ranks(Ranks& ranks, int exit_code);

@@ -53,7 +53,8 @@ class Ranks {
   const MpiModule* mpi_ = nullptr;  // none without a launcher
 };
 
-/// What a message between ranks is: of a field in bands (banded_field.h); of frames (rank_links.h); the end, from rank 0; or
+/// What a message between ranks is: of a field in bands (banded_field.h); of frames (rank_links.h); of the times of a film, which each
+/// rank knows from the command line (animate_command.cpp); the end, from rank 0; or
 /// what has failed, from another rank.
 enum RankTag {
   tag_job,
@@ -64,6 +65,7 @@ enum RankTag {
   tag_finished,
   tag_frames,
   tag_link,
+  tag_times,
   tag_end,
   tag_failed
 };

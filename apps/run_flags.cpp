@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
@@ -119,6 +120,7 @@ void RunFlags::add(CLI::App& command, bool has_time) {
                   "distance between two eyes along x: stereo pairs of render and view [the scene's]")
       ->type_name("LENGTH");
   camera_.add(command, CameraParams(), {"width", "height", "binning", "pixel", "centre_x", "centre_y"});
+  eye_.add(command, EyeParams(), {}, "Eye over time (overrides the scene's [eye])");
   encode_.add(command, EncodeParams(), {"seed", "device", "resample", "target_columns", "target_rows", "eye", "pupil"},
               "Encoding (overrides the scene's [encode])");
   render_.add_only(command, RenderParams(), {"reference"}, "Rendering (overrides the scene's [render])");
@@ -142,6 +144,13 @@ Job RunFlags::job(const std::string& scene, Outside outside, std::optional<doubl
     job.render.eye_separation = parse_length_flag("--eye-separation", eye_separation_, range::not_negative);
   if (seed_) check_flag("--seed", double(*seed_), range::not_negative, Quantity::count);
   if (seed_) job.trace.seed = job.render.seed = job.encode.seed = *seed_;
+  eye_.apply(job.eye);
+  require(job.eye.track.empty() || !camera_.has("eye"),
+          "expected --eye or an eye track, got both; leave one of them out");
+  require(
+      !job.eye.track.empty() || eye_.texts().empty(),
+      "expected an eye track beside --eye-latency, --eye-noise, --eye-seed and --eye-predict; give --eye-track, or [eye] track in the scene");
+  follow_eye_track(job);
   if (camera_.has("eye")) aim_at_eye_of_camera(job);
   const double open = shutter ? *shutter : shutter_of(job).seconds_at(job.animate.fps);
   job = scene_.opened(std::move(job), open, scene, outside);

@@ -63,6 +63,11 @@ class RunFlags {
   std::optional<int64_t> seed_;
   SceneFlags scene_;
   Flags camera_, render_, encode_, trace_;       // separate sets, because some names occur twice
+  Flags eye_{{{"track", "eye_track"},
+              {"latency", "eye_latency"},
+              {"noise", "eye_noise"},
+              {"seed", "eye_seed"},
+              {"predict", "eye_predict"}}};
   Flags synthesize_{{{"method", "synthesis"}}};  // --method is that of [encode]
 };
 

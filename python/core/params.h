@@ -27,6 +27,8 @@ void set_param(const Parameter<Value>& p, nb::handle given) {
     p.value = to_flag(given, p.name);
   } else if constexpr (std::is_same_v<Value, std::vector<std::string>>) {
     p.value = to_texts(given, p.name);
+  } else if constexpr (std::is_same_v<Value, std::string>) {
+    p.value = to_text(given, p.name);
   } else if constexpr (std::is_same_v<Value, DeviceChoice>) {
     p.value = parse_device(to_text(given, p.name));
   } else if constexpr (std::is_same_v<Value, std::vector<double>>) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "holotrace/data/job.h"
+#include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/run/choose.h"
@@ -55,8 +56,9 @@ void with_stage(Job& job, const std::string& stage, const Use& use) {
   if (stage == "propagate") return use(job.propagate);
   if (stage == "camera") return use(job.camera);
   if (stage == "animate") return use(job.animate);
+  if (stage == "eye") return use(job.eye);
   throw Error(unknown_name_message(
-      "stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate"}));
+      "stage", stage, {"trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"}));
 }
 
 // The parameters of renders of a job, with those that are given in their place.
@@ -164,9 +166,14 @@ void bind_scenes(nb::module_& module) {
                           params.times.empty() ? std::min(open, 1 / params.fps) : open);
       },
       nb::arg("params"), nb::arg("shutter").none());
+  job.def("move_eye", [](Job& j, nb::handle time) {
+    j.time = to_time(time, "time");
+    follow_eye_track(j);
+  });
   job.def("set", [](Job& j, const std::string& stage, const nb::dict& given) {
     with_stage(j, stage, [&](auto& params) { set_params(given, params); });
     j.are_distances_given = j.are_distances_given || (stage == "camera" && given.contains("distances"));
+    follow_eye_track(j);
   });
   job.def("get", [](Job& j, const std::string& stage) {
     nb::list list;

@@ -8,6 +8,7 @@
 #include "holotrace/data/params/calibrate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/eye.h"
 #include "holotrace/data/params/panel_image.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
@@ -31,6 +32,7 @@ void bind_params(nb::module_& module) {
     stages["propagate"] = list_params(PropagateParams());
     stages["camera"] = list_params(CameraParams());
     stages["animate"] = list_params(AnimateParams());
+    stages["eye"] = list_params(EyeParams());
     stages["patterns"] = list_params(TestPatternParams());
     stages["calibrate"] = list_params(CalibrateParams());
     stages["register"] = list_params(RegisterParams());

@@ -38,6 +38,8 @@ def _at(moving: Moving, allow_outside: bool) -> Callable[[Any, Any], Scene]:
         scene = function(time)
         if not isinstance(scene, Scene):
             raise _core.Error(f"expected a Scene at {time} s, got {type(scene).__name__}")
+        scene = scene.copy()
+        scene._core.move_eye(0.0 if time is None else time)
         return scene
 
     def scene_at(time: Any, shutter: Any) -> Scene:
@@ -71,15 +73,20 @@ def animate(
     ``shutter``: how long the shutter of each time is open, as `Scene` takes it, at most 1/fps, for which its holograms are shown. A camera with a
     longer exposure sees the mean of the views of several times.
 
-    Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
+    A viewer who walks has ``stages={"eye": {"track": "walk.csv", "latency": "20 ms"}}``: the holograms are for the measured eye, the
+    views and renders those of the eye itself. Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
     """
     scene_at = _at(moving, allow_outside)
-    times, from_last, opened = scene_at(None, 0.0)._core.times(params, shutter)
+    tables = stages or {}
+    first = scene_at(None, 0.0).replace(**tables)
+    times, from_last, opened = first._core.times(params, shutter)
+    if first.parameters("eye")["track"]:
+        scene_at(times[-1], 0.0).replace(**tables)  # a track that ends before is an error at once
 
     def runs() -> Iterator[Run]:
         last = None
         for time in times:
-            made = run(scene_at(time, opened), last=last, progress=progress, **(stages or {}))
+            made = run(scene_at(time, opened), last=last, progress=progress, **tables)
             last = made.holograms if from_last else None
             made.time = time
             yield made

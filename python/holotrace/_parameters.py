@@ -25,6 +25,7 @@ _KINDS = {
     "position": "three lengths",
     "flag": "bool",
     "texts": "texts",
+    "path": "path",
     "device": "device",
 }
 

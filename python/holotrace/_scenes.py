@@ -20,7 +20,7 @@ from ._progress import Progress, watching
 from ._units import Length, Lengths, Time, format_length
 from ._waves import Panel, a, panel
 
-STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate")
+STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye")
 
 
 def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
@@ -143,7 +143,8 @@ class Scene(Noun):
         return float(self._core.time)
 
     def parameters(self, stage: str) -> Dict[str, Any]:
-        """The parameters of a stage: "trace", "render", "synthesize", "encode", "show", "propagate", "camera" or "animate"."""
+        """The parameters of a stage: "trace", "render", "synthesize", "encode", "show", "propagate", "camera",
+        "animate" or "eye"."""
         return {one["name"]: one["value"] for one in self._core.get(stage)}
 
     def replace(

@@ -13,8 +13,10 @@
 #include <thread>
 
 #include "end_to_end/expect_error.h"
+#include "end_to_end/mpirun.h"
 #include "end_to_end/scenes.h"
 #include "holotrace/io/picture/image_file.h"
+#include "support/build_paths.h"
 #include "support/gif.h"
 #include "support/program.h"
 
@@ -271,6 +273,150 @@ TEST(Animate, TheTableOfTimesListsEveryHologram) {
   starts(2, "0.05,0.05,0,1,532,2,", ",,t_0001/hologram_2.png");
   starts(3, "0.1,0.05,0,2,638,3,", ",,t_0001/hologram_3.png");
   starts(8, "0.35,0.05,0.2,2,532,4,", ",,t_0002/hologram_4.png");
+}
+
+// A viewer who walks past a white wall; optimised holograms are for the measured eye.
+std::string walking_scene(const std::string& eye_of_encode, const std::string& eye_of_camera) {
+  return scene_head(small_panel, "background = 0.1\n") +
+         "[render]\nrows = 32\npaths = 2\n[encode]\nmethod = \"sgd\"\ntarget = \"render\"\niterations = 8\n" +
+         eye_of_encode + "[camera]\npupil = \"1 mm\"\ndistances = \"32 mm\"\n" + eye_of_camera +
+         "[animate]\nfps = 5\n[[object]]\ntype = \"quad\"\nwidth = \"0.5 mm\"\nheight = \"0.5 mm\"\n"
+         "position = \"0 0 -32 mm\"\n";
+}
+
+// The places of the track are those of keys, so the holograms, views and renders have the same bytes.
+TEST(Animate, AnEyeTrackWithoutLatencyIsThatOfKeysOverTime) {
+  const Workplace work;
+  const std::string keys = "eye = { \"0 s\" = \"-1 0 60 mm\", \"400 ms\" = \"1 0.5 60 mm\" }\n";
+  work.write("keys.toml", walking_scene(keys, keys));
+  work.write("walk.csv", "time_s,x_mm,y_mm,z_mm\n0,-1,0,60\n0.4,1,0.5,60\n");
+  work.write("track.toml", walking_scene("", "") + "[eye]\ntrack = \"walk.csv\"\n");
+  ASSERT_EQ(work.run({"animate", "keys.toml", "-o", "keys", "-q"}).exit_code, 0);
+  const Outcome outcome = work.run({"animate", "track.toml", "-o", "track", "-q"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::map<std::string, std::string> with_track = files_of(work, "track"), with_keys = files_of(work, "keys");
+  for (const char* name : {"/track.csv", "/track_distance.png", "/track_psnr.png"})
+    EXPECT_EQ(with_track.erase(name), 1u) << name;
+  EXPECT_EQ(with_track, with_keys);
+}
+
+// 5 mm/s · 50 ms = 0.25 mm. At 0.2 s the hologram is that for the eye at 0.15 s, and the view is that of the eye at 0.2 s.
+TEST(Animate, TheHologramIsForTheMeasuredEyeAndTheViewIsThatOfTheEye) {
+  const Workplace work;
+  work.write("walk.csv", "0,-1,0,60\n0.4,1,0,60\n");
+  work.write("scene.toml", walking_scene("", ""));
+  const Outcome outcome =
+      work.run({"animate", "scene.toml", "-o", "film", "--eye-track", "walk.csv", "--eye-latency", "50 ms", "-q"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  work.write("still.toml", walking_scene("eye = \"-0.25 0 60 mm\"\n", "eye = \"0 0 60 mm\"\n"));
+  ASSERT_EQ(work.run({"run", "still.toml", "-o", "still", "-q"}).exit_code, 0);
+  for (const char* name : {"hologram.png", "view.png", "render.png"})
+    EXPECT_EQ(work.read(std::string("film/t_0002/") + name), work.read(std::string("still/") + name)) << name;
+  work.write("measured.toml", walking_scene("eye = \"-0.25 0 60 mm\"\n", "eye = \"-0.25 0 60 mm\"\n"));
+  ASSERT_EQ(work.run({"run", "measured.toml", "-o", "measured", "-q"}).exit_code, 0);
+  const auto figures_of = [&](const std::string& folder) {
+    const Json report = Json::parse(work.read(folder + "/report.json"));
+    for (const Json& stage : report.at("stages"))
+      if (stage.contains("distance_m"))
+        return std::pair(stage.at("psnr_db").get<double>(), stage.at("diffraction_efficiency").get<double>());
+    return std::pair(0.0, 0.0);
+  };
+  const std::vector<std::string> lines = lines_of(work.read("film/track.csv"));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(
+      lines[0],
+      "time_s,x_mm,y_mm,z_mm,measured_x_mm,measured_y_mm,measured_z_mm,distance_mm,distance_without_prediction_mm,"
+      "psnr_db,measured_psnr_db,light,measured_light");
+  std::vector<double> row;
+  std::istringstream stream(lines[2]);
+  for (std::string word; std::getline(stream, word, ',');) row.push_back(std::stod(word));
+  ASSERT_EQ(row.size(), 13u);
+  const std::vector<double> places{0.2, 0, 0, 60, -0.25, 0, 60, 0.25, 0.25};
+  for (size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(row[i], places[i], 1e-9) << i;
+  // Six digits are written. The view from the measured eye is that of a run with the camera there, whose reference is the same.
+  const auto [psnr, light] = figures_of("still");
+  const auto [measured_psnr, measured_light] = figures_of("measured");
+  EXPECT_NEAR(row[9], psnr, 1e-4);
+  EXPECT_NEAR(row[10], measured_psnr, 1e-4);
+  EXPECT_NEAR(row[11], light, 1e-5 * light);
+  EXPECT_NEAR(row[12], measured_light, 1e-5 * measured_light);
+  const Json report = Json::parse(work.read("film/report.json"));
+  EXPECT_NEAR(report.at("eye").at("largest_distance_m").get<double>(), 0.25e-3, 1e-12);
+  // The prediction of a straight walk has no error.
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "ahead", "--times", "0.2 s", "--eye-track", "walk.csv",
+                      "--eye-latency", "50 ms", "--eye-predict", "true", "-q"})
+                .exit_code,
+            0);
+  EXPECT_NEAR(Json::parse(work.read("ahead/report.json")).at("eye").at("largest_distance_m").get<double>(), 0, 1e-12);
+}
+
+// Holograms of waves are for all eyes: those of the first time are taken again.
+TEST(Animate, ATrackedEyeTakesHologramsOfWavesAgain) {
+  const Workplace work;
+  std::string scene = moving_scene();
+  scene.replace(scene.find("position = { \"0 s\""),
+                scene.find("[[object]]\ntype = \"quad\"") - scene.find("position = { \"0 s\""),
+                "position = \"0 0 -30 mm\"\n");
+  work.write("scene.toml", scene);
+  work.write("walk.csv", "0,-0.5,0,5\n0.4,0.5,0,5\n");
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "film", "--eye-track", "walk.csv", "--eye-latency", "50 ms",
+                      "--pupil", "0.5 mm", "-q"})
+                .exit_code,
+            0);
+  std::vector<std::string> names;
+  const Json report = Json::parse(work.read("film/t_0002/report.json"));
+  for (const Json& stage : report.at("stages")) names.push_back(stage.at("stage"));
+  const std::vector<std::string> expected{"render", "eye",           "render for the measured eye", "reuse",
+                                          "show",   "look at 30 mm", "look from the measured eye"};
+  EXPECT_EQ(names, expected);
+}
+
+TEST(Animate, AFilmThatIsLongerThanItsEyeTrackIsAnError) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  work.write("walk.csv", "0,-0.5,0,5\n0.4,0.5,0,5\n");
+  expect_error(
+      work, {"animate", "scene.toml", "-o", "film", "--seconds", "1", "--eye-track", "walk.csv"},
+      {"expected an eye track that lasts until 800 ms, got one that ends at 400 ms: walk.csv; record a longer one, or make a shorter film"});
+  expect_error(
+      work, {"animate", "scene.toml", "-o", "film", "--eye-noise", "1 mm"},
+      {"expected an eye track beside --eye-latency, --eye-noise, --eye-seed and --eye-predict; give --eye-track"});
+}
+
+// Ranks share the times: the files have the bytes of one process, also after an interruption.
+TEST(Animate, RanksShareTheTimes) {
+  if (!HOLOTRACE_HAS_MPI) GTEST_SKIP() << "this build is without MPI";
+  if (!has_mpirun()) GTEST_SKIP() << "there is no mpirun to start ranks with";
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "alone", "--seconds", "1", "-q"}).exit_code, 0);
+  const std::vector<std::string> job{"animate", "scene.toml", "-o", "film", "--seconds", "1"};
+  const Outcome outcome = work.run_under(mpirun(2), job);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_EQ(lines.size(), 4u) << outcome.out;  // 2 of 5 times are those of rank 0
+  EXPECT_EQ(lines[1], "2 of 5, 200 ms: computed");
+  EXPECT_EQ(lines[2], "3 to 5 of 5: by other ranks");
+  EXPECT_EQ(files_of(work, "film"), files_of(work, "alone"));
+  for (const char* time : {"film/t_0002", "film/t_0005"}) std::filesystem::remove_all(work.path(time));
+  const auto written = std::filesystem::last_write_time(work.path("film/t_0004/hologram.png"));
+  ASSERT_EQ(work.run_under(mpirun(3), job).exit_code, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(work.path("film/t_0004/hologram.png")), written);
+  EXPECT_EQ(files_of(work, "film"), files_of(work, "alone"));
+}
+
+// Rank 1 cannot write its folder, since a file has its name: rank 0 says so.
+TEST(Animate, ARankThatFailsEndsTheFilmWithItsSentence) {
+  if (!HOLOTRACE_HAS_MPI) GTEST_SKIP() << "this build is without MPI";
+  if (!has_mpirun()) GTEST_SKIP() << "there is no mpirun to start ranks with";
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  std::filesystem::create_directory(work.path("film"));
+  work.write("film/t_0002", "");
+  const Outcome outcome = work.run_under(mpirun(2), {"animate", "scene.toml", "-o", "film", "--times", "0, 0.2 s"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("rank 1: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("t_0002"), std::string::npos) << outcome.err;
 }
 
 TEST(Animate, WhatCannotBeAFilmIsRefused) {

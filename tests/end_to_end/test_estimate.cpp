@@ -151,5 +151,27 @@ TEST(Accelerator, OfARunMayBeTheGrid) {
   EXPECT_LT(metrics.at("relative_l2_error").get<double>(), 0.02);
 }
 
+// A sphere that moves until 0.4 s: 3 of 5 times are computed, and what follows is the arithmetic of the figures given.
+TEST(EstimateCommand, OfAFilmHasItsTimesAndWhatTheDisplayNeeds) {
+  const Workplace work;
+  std::string scene = mesh_scene();
+  scene.replace(scene.find("position = \"0.3 0.1 -30 mm\""), 27,
+                "position = { \"0 s\" = \"0.3 0.1 -30 mm\", \"400 ms\" = \"0.3 0.2 -30 mm\" }");
+  work.write("scene.toml", scene);
+  const auto film = json_of(work, {"estimate", "scene.toml", "--json", "--fps", "5", "--seconds", "1"}).at("film");
+  EXPECT_EQ(film.at("times"), 5);
+  EXPECT_EQ(film.at("times_afresh"), 3);
+  EXPECT_EQ(film.at("times_equal"), 2);
+  EXPECT_EQ(film.at("holograms"), 5);
+  EXPECT_EQ(film.at("bit_planes_per_second"), 40);
+  EXPECT_EQ(film.at("bytes_per_second"), 5.0 * small_panel.nx * small_panel.ny);
+  EXPECT_GT(film.at("seconds"), 0);
+  const double afresh = film.at("equation_17").at("rays_per_second"),
+               again = film.at("equation_17").at("new_rays_per_second");
+  EXPECT_NEAR(again, afresh * 3 / 5, 1e-9 * afresh);
+  const Outcome text = work.run({"estimate", "scene.toml", "--fps", "30", "--refresh", "10"});
+  EXPECT_NE(text.out.find("too many: the panel shows 10"), std::string::npos) << text.out;
+}
+
 }  // namespace
 }  // namespace holotrace::test

@@ -79,3 +79,30 @@ def test_a_film_is_written_from_pictures(tmp_path):
         ht.save_film(path, pictures, fps=0)
     with pytest.raises(ht.Error, match="expected pictures of 6 × 4 pixels"):
         ht.save_film(path, [pictures[0], ht.Image(np.zeros((2, 2), np.float32))])
+
+
+def test_a_viewer_who_walks_has_holograms_for_the_measured_eye(tmp_path):
+    """10 mm/s x 50 ms = 0.5 mm. The hologram at 0.5 s is that for the eye at 0.45 s, the view that of the eye at 0.5 s."""
+    walk = tmp_path / "walk.csv"
+    walk.write_text("time_s,x_mm,y_mm,z_mm\n0,-5,0,60\n1,5,0,60\n")
+    scene = {
+        "wavelength": 532e-9,
+        "slm": PANEL,
+        "background": 0.1,
+        "object": [{"type": "quad", "width": 3e-4, "height": 3e-4, "position": (0, 0, -0.03)}],
+        "render": {"rows": 8, "paths": 1},
+        "encode": {"method": "sgd", "target": "render", "iterations": 3},
+        "camera": {"distances": 0.03, "pupil": 1e-3},
+    }
+    stages = {"eye": {"track": str(walk), "latency": "50 ms"}}
+    (made,) = ht.animate(scene, times=[0.5], stages=stages)
+    still = ht.run(ht.Scene({**scene, "encode": {**scene["encode"], "eye": (-0.5e-3, 0, 0.06)},
+                             "camera": {**scene["camera"], "eye": (0, 0, 0.06)}}))
+    assert np.array_equal(np.asarray(made.holograms[0]), np.asarray(still.holograms[0]))
+    assert np.array_equal(np.asarray(made.views[0]), np.asarray(still.views[0]))
+    (eye,) = [one for one in made.report["stages"] if one["stage"] == "eye"]
+    assert eye["distance_of_measured_eye_m"] == pytest.approx(0.5e-3, rel=1e-9)
+    (function,) = ht.animate(lambda time: ht.Scene(scene), times=[0.5], stages=stages)
+    assert np.array_equal(np.asarray(function.holograms[0]), np.asarray(made.holograms[0]))
+    with pytest.raises(ht.Error, match="lasts until 1.2 s"):
+        ht.animate(scene, times=[0.5, 1.2], stages=stages)

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "holotrace/data/exposure.h"
+#include "holotrace/data/eye_track.h"
 #include "holotrace/data/params/animate.h"
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/params/encode.h"
+#include "holotrace/data/params/eye.h"
 #include "holotrace/data/params/propagate.h"
 #include "holotrace/data/params/render.h"
 #include "holotrace/data/params/show.h"
@@ -33,13 +35,15 @@ struct Job {
   PropagateParams propagate;
   CameraParams camera;
   AnimateParams animate;
-  double time = 0;                    ///< time [s] at which the values of the scene were read
-  Shutter shutter{};                  ///< of the scene file, which load_job does not open (open_shutter)
-  std::vector<Moment> moments{};      ///< while the shutter is open; empty if it is not, or if nothing moves
-  std::optional<double> last_key{};   ///< latest key over time in the scene [s]; nothing if nothing in it changes
-  bool are_distances_given = true;    ///< camera.distances; else choose_missing takes them from the scene's depths
-  std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
-  std::vector<Chosen> chosen;         ///< what the job does not give, and was chosen for it (run/choose.h)
+  EyeParams eye;
+  std::optional<TrackedEye> tracked{};  ///< the eye at `time`, whose place is camera.eye; nothing without an eye track
+  double time = 0;                      ///< time [s] at which the values of the scene were read
+  Shutter shutter{};                    ///< of the scene file, which load_job does not open (open_shutter)
+  std::vector<Moment> moments{};        ///< while the shutter is open; empty if it is not, or if nothing moves
+  std::optional<double> last_key{};     ///< latest key over time in the scene [s]; nothing if nothing in it changes
+  bool are_distances_given = true;      ///< camera.distances; else choose_missing takes them from the scene's depths
+  std::vector<std::string> warnings;    ///< features of the files that are not shown, and old names of keys
+  std::vector<Chosen> chosen;           ///< what the job does not give, and was chosen for it (run/choose.h)
 };
 
 /// Moments of an exposure: a motion of that many pixels is smooth, and light paths are shared among them.

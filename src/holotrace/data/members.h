@@ -244,11 +244,16 @@ void members(Archive& archive, Moment& part) {
   archive(scene, eye_moved);
 }
 template <class Archive>
+void members(Archive& archive, TrackedEye& part) {
+  auto& [place, measured, unpredicted] = part;
+  archive(place, measured, unpredicted);
+}
+template <class Archive>
 void members(Archive& archive, Job& noun) {
-  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, shutter,
-         moments, last_key, are_distances_given, warnings, chosen] = noun;
-  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, time, shutter,
-          moments, last_key, are_distances_given, warnings, chosen);
+  auto& [scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, eye, tracked,
+         time, shutter, moments, last_key, are_distances_given, warnings, chosen] = noun;
+  archive(scene, wavelengths, slm, trace, render, synthesize, encode, show, propagate, camera, animate, eye, tracked,
+          time, shutter, moments, last_key, are_distances_given, warnings, chosen);
 }
 
 // Of results.

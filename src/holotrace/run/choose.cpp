@@ -176,7 +176,7 @@ class Chooser {
       set_method(Encoding::sgd, is_asked ? "quality, target or eye is given" : "no parameter of waves is given");
     }
     if (encode.target != EncodeTarget::automatic) return;
-    const Vec3& eye = job_.camera.eye;
+    const Vec3& eye = job_.tracked ? job_.tracked->measured : job_.camera.eye;
     const bool has_eye = job_.camera.pupil > 0 && eye.z > 0 && encode.image == ImageSide::virtual_image;
     if (encode.method != Encoding::sgd || !of_waves.empty()) {
       encode.target = EncodeTarget::field;

@@ -193,8 +193,18 @@ ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, do
   return view_from(eye, job, distance, wavelength, eye.eye);
 }
 
+Job at_measured_eye(Job job) {
+  job.camera.eye = job.tracked->measured;
+  job.camera.distances.resize(1);
+  return job;
+}
+
 std::vector<Viewpoint> viewpoints_of(const Job& job) {
   std::vector<Viewpoint> from = viewpoints(job.camera, job.render);
+  if (job.tracked && job.tracked->is_off()) {
+    const CameraParams camera = at_measured_eye(job).camera;
+    from.push_back({ViewKind::measured, measured_eye_stage, camera.distances.front(), 0, camera});
+  }
   if (!aims_at_eyes(job)) return from;
   for (const Vec3& eye : eyes_of(job.encode)) {
     CameraParams camera = job.camera;

@@ -60,7 +60,13 @@ struct EyeboxLight {
 };
 EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames);
 
-/// The viewpoints of a job: those of its camera (viewing.h); and for each eye, the one of an eye on its right whose pupil touches
+/// The stage of the view from the measured eye of a track.
+inline constexpr const char* measured_eye_stage = "look from the measured eye";
+
+/// A job with an eye track whose camera is where the eye was measured, and looks at the first distance.
+Job at_measured_eye(Job job);
+
+/// The viewpoints of a job: those of its camera (viewing.h); with a tracked eye that is off, the measured one; and for each eye, the one of an eye on its right whose pupil touches
 /// the light of its eyebox from outside, at the first distance of the camera.
 std::vector<Viewpoint> viewpoints_of(const Job& job);
 

@@ -27,7 +27,7 @@ int parts_of_source(const Slm& slm, const ShowParams& params, double wavelength,
   if (filter) band = std::min({band, 2 * filter->half_u, 2 * filter->half_v});
   double moved = params.source_angle / (wavelength * band);  // shift of the light in widths of the pupil or band
   for (const Viewpoint& view : from)
-    if (view.camera.pupil > 0 && view.kind != ViewKind::beside)
+    if (view.camera.pupil > 0 && is_asked_for(view.kind))
       moved = std::max(moved, params.source_angle * view.camera.eye.z / view.camera.pupil);
   return counted(pi / 4 * 64 * moved * moved);
 }
@@ -38,7 +38,7 @@ int steps_of_spectrum(const Slm& slm, const ShowParams& params, double wavelengt
   double steps = least_of_spectrum;
   for (const Viewpoint& view : from) {
     const double z = view.distance;
-    if (z == 0 || view.kind == ViewKind::beside) continue;
+    if (z == 0 || !is_asked_for(view.kind)) continue;
     const CameraParams& camera = view.camera;
     const double pixel = camera.pixel > 0     ? camera.pixel / magnification(camera, z, image)
                          : camera.binning > 0 ? camera.binning * pitch / params.subpixels

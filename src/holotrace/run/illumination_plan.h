@@ -35,7 +35,7 @@ struct IlluminationPlan {
 ///
 ///     N = 2·f·z·Δλ/r   (at least 8, because the panel itself differs at other wavelengths)
 ///
-/// An eye beside the eyebox (ViewKind::beside) asks for none of its own. Flicker takes 16. The largest of these numbers is used, at most 256; beyond that a warning says what is left out.
+/// Eyes that the job does not ask for (is_asked_for) need none of their own. Flicker takes 16. The largest of these numbers is used, at most 256; beyond that a warning says what is left out.
 ///
 /// @param filter  the encoder's stop, if it is known
 /// @throws Error  as illumination_states does, and as check_illumination does for each of them

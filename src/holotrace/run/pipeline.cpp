@@ -5,11 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
-#include "holotrace/data/members.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/data/report.h"
 #include "holotrace/run/choose.h"
@@ -17,6 +15,7 @@
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/reference_metrics.h"
 #include "holotrace/run/renders.h"
+#include "holotrace/run/reuse.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/run/viewing.h"
@@ -28,14 +27,6 @@
 
 namespace holotrace {
 namespace {
-
-// Iterations use the camera's distances unless the job names others.
-EncodeParams encoding_of(const Job& job) {
-  EncodeParams params = job.encode;
-  if (traits_of(params.method).aims_at_targets && params.target_distances.empty())
-    params.target_distances = job.camera.distances;
-  return params;
-}
 
 // Pictures that nothing is compared with.
 std::vector<Image> make_renders(const Job& job, const std::vector<PlannedRender>& planned, Report& report,
@@ -91,10 +82,7 @@ std::vector<double> wavelength_of_each_set(const SceneLight& light) {
 // Whether the holograms of waves of a job are those of an earlier run: all that they depend on is the same.
 bool has_holograms_of(const Job& job, const EarlierRun* earlier) {
   if (!earlier || aims_at_scene(job) || aims_at_scene(earlier->job)) return false;
-  const auto cause = [](const Job& one) {
-    return fingerprint_of(one.scene, one.wavelengths, one.slm, one.trace, one.synthesize, encoding_of(one));
-  };
-  return cause(job) == cause(earlier->job);
+  return cause_of_waves(job) == cause_of_waves(earlier->job);
 }
 
 // The light of an earlier run; its fields are not needed again.
@@ -188,6 +176,12 @@ double half_tangent_of(const Job& job, double distance) {
                         view_wavelength(job.wavelengths, job.trace.has_common_cone));
 }
 
+// The render of a view from the measured eye has a stage of its own.
+std::string render_stage(const Job& job, const std::string& stage) {
+  const bool is_measured = job.tracked && job.tracked->is_off() && job.camera.eye == job.tracked->measured;
+  return is_measured ? "render for the measured eye" : stage;
+}
+
 // The renders of a run that views are compared with; with quick ones, also the means of their halves and the first halves.
 struct References {
   std::vector<Image> renders, means, first_halves;
@@ -197,11 +191,11 @@ References make_references(const Job& job, Report& report, const StageObserver& 
   References made;
   for (const PlannedRender& planned : plan_renders(job)) {
     if (!is_quick(job)) {
-      made.renders.push_back(run_stage(planned.stage, report, watch,
+      made.renders.push_back(run_stage(render_stage(job, planned.stage), report, watch,
                                        [&](const Observer& o) { return make_render(job, planned.params, o); }));
       continue;
     }
-    HalvedRender halved = run_stage(planned.stage, report, watch,
+    HalvedRender halved = run_stage(render_stage(job, planned.stage), report, watch,
                                     [&](const Observer& o) { return make_halved_render(job, planned.params, o); });
     made.renders.push_back(std::move(halved.brightest));
     made.means.push_back(std::move(halved.mean));
@@ -239,6 +233,17 @@ References references_of_scene(const Job& job, SceneTargets& targets, const Obse
     made.first_halves.push_back(std::move(halves.first));
   }
   return made;
+}
+
+// Where the eye of a track is, and how far from there it was measured.
+void report_eye(const TrackedEye& eye, const Observer& o) {
+  for (const auto& [name, place] : {std::pair("eye", eye.place), std::pair("measured", eye.measured)}) {
+    o.fact(fmt::format("{}_x_m", name).c_str(), Fact(place.x));
+    o.fact(fmt::format("{}_y_m", name).c_str(), Fact(place.y));
+    o.fact(fmt::format("{}_z_m", name).c_str(), Fact(place.z));
+  }
+  o.fact("distance_of_measured_eye_m", Fact(length(eye.measured - eye.place)));
+  o.fact("distance_without_prediction_m", Fact(length(eye.unpredicted - eye.place)));
 }
 
 float peak_of(const Image& image) { return *std::max_element(image.values.begin(), image.values.end()); }
@@ -296,6 +301,20 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   } else {
     made = make_references(job, b.report, watch);
   }
+  if (job.tracked) {
+    stage("eye", [&](const Observer& o) {
+      report_eye(*job.tracked, o);
+      return 1;
+    });
+  }
+  References measured;  // of the view from the measured eye
+  if (job.tracked && job.tracked->is_off()) {
+    const Job there = at_measured_eye(job);
+    SceneTargets none;
+    measured =
+        targets ? stage(render_stage(there, ""), [&](const Observer& o) { return references_of_scene(there, none, o); })
+                : make_references(there, b.report, watch);
+  }
   b.stereo_renders = make_renders(job, plan_stereo_renders(job), b.report, watch);
   const bool is_reused = has_holograms_of(job, earlier);
   if (is_reused)
@@ -341,20 +360,33 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   b.white = white.view_white;
   b.render_white = white.render_white;
   read_views(b.views, b.white, ViewKind::distance, job.camera);
+  const auto efficiency = [&](const Image& view, const CombinedViews& sum) {
+    const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
+    return sum.mean_irradiance() * sensor / (sum.relative_illumination() * showing.power_on_panel);
+  };
   for (size_t d = 0; d < b.views.size(); ++d)
     showing.repeat.finish(b.viewpoints[d].stage, [&](const Observer& o) {
       const Image& view = b.views[d];
-      const double sensor = double(view.nx) * view.ny * view.pitch * view.pitch;
-      const double incident = sums[d].relative_illumination() * showing.power_on_panel;
       o.fact("lit_fraction_of_view", lit_fraction(view));
       if (references.empty()) return o.fact("why_no_metrics", std::string("the job asks for no reference"));
       report_place(places[d], o);
-      report_metrics(references[d], view, sums[d].mean_irradiance() * sensor / incident, o);
+      report_metrics(references[d], view, efficiency(view, sums[d]), o);
       report_lit_render(references[d].image, o);
       // Without a pupil the render is the target picture, whose peak the metrics refer to.
       if (aims && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
         o.fact("psnr_of_target_db", scaled_error(references[d].image, view).psnr);
     });
+  for (size_t i = 0; i < sums.size() && !measured.renders.empty(); ++i) {
+    if (b.viewpoints[i].kind != ViewKind::measured) continue;
+    std::vector<Image> view{sums[i].image()};
+    const double distance = b.viewpoints[i].distance;
+    const ViewPlace place = place_of(job, sums[i], view.front(), distance, 0, half_tangent_of(job, distance));
+    const ViewReference reference = reference_of(job, measured, view.front(), place);
+    read_views(view, b.white, ViewKind::measured, job.camera);
+    showing.repeat.finish(b.viewpoints[i].stage, [&](const Observer& o) {
+      report_metrics(reference, view.front(), efficiency(view.front(), sums[i]), o);
+    });
+  }
   b.views_beside = images_of(b.viewpoints, sums, ViewKind::beside);
   read_views(b.views_beside, b.white, ViewKind::beside, job.camera);
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);

@@ -164,7 +164,7 @@ double view_in_colour(const Hologram& hologram, double wavelength, const Viewing
       repeat(from[span.begin].stage, [&](const Observer& o) {
         for (size_t i = span.begin; i < span.end; ++i) {
           Observer part = part_of_series(o, i - span.begin, span.end - span.begin);
-          if (from[i].kind == ViewKind::beside) part.on_warning = {};  // such an eye is outside of the light on purpose
+          if (!is_asked_for(from[i].kind)) part.on_warning = {};  // the job does not ask for such an eye
           const Image view =
               look(shown, slm, from[i].distance, viewing.propagation, from[i].camera, part, state.source);
           if (all.size() == 1)

@@ -17,9 +17,12 @@
 
 namespace holotrace {
 
-/// Why a view is taken: at one of the camera's distances, as a part of its sweep, for one eye of a stereo pair, or for an eye
-/// that is beside the eyebox.
-enum class ViewKind { distance, sweep, eye, beside };
+/// Why a view is taken: at one of the camera's distances, as a part of its sweep, for one eye of a stereo pair, for an eye
+/// that is beside the eyebox, or for the eye where a display takes it to be.
+enum class ViewKind { distance, sweep, eye, beside, measured };
+
+/// Whether the job asks for views of that kind. Others are taken for its report, and change nothing else.
+constexpr bool is_asked_for(ViewKind kind) { return kind != ViewKind::beside && kind != ViewKind::measured; }
 
 /// Position and target of a camera.
 struct Viewpoint {

@@ -55,6 +55,7 @@ TEST_F(SceneFormat, EveryParameterOfEveryStageIsThere) {
   EXPECT_EQ(undocumented<PropagateParams>(text_, "propagate"), none);
   EXPECT_EQ(undocumented<CameraParams>(text_, "camera"), none);
   EXPECT_EQ(undocumented<AnimateParams>(text_, "animate"), none);
+  EXPECT_EQ(undocumented<EyeParams>(text_, "eye"), none);
 }
 
 }  // namespace

@@ -81,4 +81,6 @@ void set_from_text(const Parameter<DeviceChoice>& parameter, const std::string& 
   parameter.value = parse_device(text);
 }
 
+void set_from_text(const Parameter<std::string>& parameter, const std::string& text) { parameter.value = text; }
+
 }  // namespace holotrace

@@ -40,6 +40,7 @@ void set_from_text(const Parameter<std::vector<double>>& parameter, const std::s
 void set_from_text(const Parameter<Vec3>& parameter, const std::string& text);
 void set_from_text(const Parameter<std::vector<std::string>>& parameter, const std::string& text);
 void set_from_text(const Parameter<DeviceChoice>& parameter, const std::string& text);
+void set_from_text(const Parameter<std::string>& parameter, const std::string& text);
 template <class Enum>
 void set_from_text(const Parameter<Enum>& parameter, const std::string& text) {
   parameter.value = value_named(text, parameter);

@@ -14,10 +14,12 @@
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/animation.h"
+#include "holotrace/io/picture/chart_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/run/film_report.h"
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/reuse.h"
 
 namespace holotrace {
 namespace {
@@ -25,13 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // The fingerprint of all that the results of a job depend on.
-std::string fingerprint(Job job) {
-  job.time = 0;
-  job.shutter = {};  // its moments are there
-  job.last_key.reset();
-  job.animate = {};
-  job.warnings.clear();
-  return fmt::format("{:016x}", fingerprint_of(std::string(HOLOTRACE_VERSION), job));
+std::string fingerprint(const Job& job) {
+  return fmt::format("{:016x}", fingerprint_of(std::string(HOLOTRACE_VERSION), cause_of_results(job)));
 }
 
 FilmMark mark_of(const std::string& job, const RunResults& results) {
@@ -83,7 +80,8 @@ std::vector<Hologram> last_holograms(const std::string& folder, size_t time) {
 }
 
 // Writes the film of one kind of pictures, or its series. Each is the mean over the times that are shown while the shutter is open.
-void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white, const FilmPlan& plan) {
+void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white,
+                   const FilmPlan& plan) {
   const double fps = plan.fps, intervals = std::max(1.0, plan.shutter * fps);
   const auto picture = [&](size_t i) {
     Image sum = load_image(pictures[i]);
@@ -109,20 +107,24 @@ std::string film_folder(const std::string& folder, size_t time) {
 
 std::vector<std::string> film_paths(const std::string& folder, FilmFormat format) {
   std::vector<std::string> paths;
-  for (const std::string& name : {"view" + film_ending(format), "render" + film_ending(format),
-                                  std::string("timing.csv"), std::string("report.json")})
+  for (const std::string& name :
+       {"view" + film_ending(format), "render" + film_ending(format), std::string("timing.csv"),
+        std::string("track.csv"), std::string("track_distance.png"), std::string("track_psnr.png"),
+        std::string("report.json")})
     paths.push_back(series_path((fs::path(folder) / name).string(), 0));
   return paths;
 }
 
-SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch,
-                   const CheckpointOf& checkpoint_of, ProcessLinks* links) {
+std::vector<std::string> make_times(const std::string& folder, const FilmPlan& plan, TimeRange range,
+                                    const FilmWatch& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links) {
+  require(!plan.from_last || range.begin == 0,
+          "expected all times of a film that goes on from the last one, got those from number {} on", range.begin + 1);
   std::optional<EarlierRun> before;  // of the last time that was computed
   std::vector<double> wavelengths;
   std::string mark;  // fingerprint of all that the results of a time depend on
-  std::vector<TimeOfFilm> times;
-  SavedRun saved;
-  for (size_t i = 0; i < plan.times.size(); ++i) {
+  std::vector<std::string> notes;
+  if (range.begin > 0 && range.begin < range.end) wavelengths = plan.job_at(plan.times[0]).wavelengths;
+  for (size_t i = range.begin; i < range.end; ++i) {
     const Job job = choose_missing(plan.job_at(plan.times[i]));
     if (i == 0) wavelengths = job.wavelengths;
     require(job.wavelengths == wavelengths,
@@ -142,32 +144,56 @@ SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWa
       make_folder(own);
       const FilmMark film = mark_of(mark, before->results);
       const SavedRun one = save_run(own, before->results, job, stages, watch.before_naming, &film);
-      saved.notes.insert(saved.notes.end(), one.notes.begin(), one.notes.end());
+      notes.insert(notes.end(), one.notes.begin(), one.notes.end());
     }
-    times.push_back(read_film_time(own, plan.times[i]));
     if (watch.on_time) watch.on_time(i, step);
   }
-  before.reset();
+  return notes;
+}
 
+SavedRun finish_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch) {
+  const TimesOfFilm times{plan.times.size(),
+                          [&](size_t i) { return read_film_time(film_folder(folder, i), plan.times[i]); }};
+  SavedRun saved;
   double white = 0;
-  for (const TimeOfFilm& time : times) white = std::max(white, time.mark.white);
+  for (size_t i = 0; i < times.count; ++i) white = std::max(white, times.at(i).mark.white);
+  const std::vector<EyeOfFilm> eyes = eyes_of_film(times);
   const std::string report = (fs::path(folder) / "report.json").string();
+  const auto picture_path = [&](size_t i, const char* name) {
+    return (fs::path(film_folder(folder, i)) / name).string();
+  };
+  Observer of_charts;
+  of_charts.on_warning = [&](const std::string& sentence) { saved.notes.push_back(sentence); };
   std::shared_ptr<void> naming;
   const std::vector<std::string> aside = write_together(report, report_record(report), [&](const OutputSet& set) {
     for (const auto& [kind, first] : {std::pair("render", film_render), std::pair("view", film_view)}) {
-      for (size_t k = 0; is_file(numbered_path(times[0].path(first), k)); ++k) {
+      for (size_t k = 0; is_file(numbered_path(picture_path(0, first), k)); ++k) {
         std::vector<std::string> pictures;
-        for (const TimeOfFilm& time : times) pictures.push_back(numbered_path(time.path(first), k));
+        for (size_t i = 0; i < times.count; ++i) pictures.push_back(numbered_path(picture_path(i, first), k));
         const std::string name = k == 0 ? std::string(kind) : fmt::format("{}_{}", kind, k + 1);
         save_pictures(set.path(name + film_ending(plan.format)), pictures, white, plan);
       }
     }
     write_timing(set.path("timing.csv"), times, plan.fps);
+    if (!eyes.empty()) {
+      write_eyes(set.path("track.csv"), eyes);
+      try_save_chart(set, "track_distance.png", chart_of_distance(eyes), of_charts);
+      const Chart psnr = chart_of_psnr(eyes);
+      if (!psnr.series.empty()) try_save_chart(set, "track_psnr.png", psnr, of_charts);
+    }
     saved.files = set.record();
-    save_film_report(set.path("report.json"), times, plan.fps, plan.shutter, white, saved.files);
+    save_film_report(set.path("report.json"), times, plan.fps, plan.shutter, white, eyes, saved.files);
     if (watch.before_naming) naming = watch.before_naming();
   });
   saved.notes.insert(saved.notes.end(), aside.begin(), aside.end());
+  return saved;
+}
+
+SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch,
+                   const CheckpointOf& checkpoint_of, ProcessLinks* links) {
+  const std::vector<std::string> notes = make_times(folder, plan, {0, plan.times.size()}, watch, checkpoint_of, links);
+  SavedRun saved = finish_film(folder, plan, watch);
+  saved.notes.insert(saved.notes.begin(), notes.begin(), notes.end());
   return saved;
 }
 

@@ -21,6 +21,16 @@ struct FilmPlan {
   bool from_last = false;                  ///< AnimateParams::from_last
 };
 
+/// The times begin … end − 1 of a film.
+struct TimeRange {
+  size_t begin = 0, end = 0;
+};
+
+/// The times of one of several processes that share a film: neighbours, so that most of what is reused stays in one process.
+constexpr TimeRange share_of_times(size_t times, size_t process, size_t processes) {
+  return {times * process / processes, times * (process + 1) / processes};
+}
+
 /// What becomes of a time of a film.
 enum class FilmStep { computed, kept, same };
 
@@ -46,6 +56,8 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 ///     view.webp, …          film of the views at the first distance of the camera; view_2.webp at the second, …
 ///     render.webp           film of the renders
 ///     timing.csv            the order in which a display shows the holograms (write_timing)
+///     track.csv             with an eye track: the eye, the measured eye, and what is seen from both (write_eyes); and charts of it,
+///                           track_psnr.png and track_distance.png
 ///     report.json           times and figures
 ///
 /// **Exposure.** All pictures of the films have the same white: the brightest of those of the renders. Views are shown as bright
@@ -64,10 +76,21 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 /// **What does not change.** If nothing that the results depend on differs from the time before, they are saved again. Holograms of
 /// waves are taken again if only what the camera does differs (EarlierRun).
 ///
-/// Memory holds the results of two times; of a WebP also its encoded pictures.
+/// Memory holds the results of two times, a line of the tables and the report for each time and, of a WebP, its encoded pictures.
 /// @throws Error  as run, save_run and save_film do; for times with other wavelengths or sizes of pictures than the first; with
 ///                plan.from_last for a job whose holograms do not aim at the light of the scene
+///
+/// It is make_times for all times, and then finish_film. Several processes may each make some times of a film that is not made
+/// from_last, before one of them finishes it: the bytes are the same.
 SavedRun make_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch = {},
                    const CheckpointOf& checkpoint_of = {}, ProcessLinks* links = nullptr);
+
+/// The folders of some times of a film. @return what a user should hear (SavedRun::notes)
+std::vector<std::string> make_times(const std::string& folder, const FilmPlan& plan, TimeRange range,
+                                    const FilmWatch& watch = {}, const CheckpointOf& checkpoint_of = {},
+                                    ProcessLinks* links = nullptr);
+
+/// The films, tables and the report of a film, from the folders of all its times.
+SavedRun finish_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch = {});
 
 }  // namespace holotrace

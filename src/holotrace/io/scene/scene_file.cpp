@@ -17,6 +17,7 @@
 #include "holotrace/data/path_expression.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
+#include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_lights.h"
 #include "holotrace/io/scene/scene_materials.h"
@@ -86,7 +87,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   job.shutter = read_shutter(root);
   choose_time(root, time);
   for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
-                              "render", "synthesize", "encode", "show", "propagate", "camera", "animate"})
+                              "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
     root.know(section);
   root.know("wavelength");
   root.refuse_unknown_keys();
@@ -123,6 +124,11 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
     describe(*animate, job.animate);
     animate->refuse_unknown_keys();
   }
+  if (auto eye = root.table("eye")) {
+    eye->read_at(nullptr);
+    describe(*eye, job.eye);
+    eye->refuse_unknown_keys();
+  }
   const auto camera = root.table("camera");
   job.are_distances_given = camera && camera->has("distances");
   check_path_expressions(root, "trace", job.trace.path_expressions);
@@ -130,6 +136,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   root.locate("", [&] { check_scene(job.scene); });
   job.time = root.time()->now;
   job.last_key = root.time()->last;
+  if (const auto eye = root.table("eye")) eye->locate("track", [&] { follow_eye_track(job); });
   return job;
 }
 

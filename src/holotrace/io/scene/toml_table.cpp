@@ -330,6 +330,12 @@ void TomlTable::operator()(const Parameter<DeviceChoice>& p) {
   if (!name.empty()) locate(p.name, [&] { p.value = parse_device(name); });
 }
 
+void TomlTable::operator()(const Parameter<std::string>& p) {
+  std::string name;
+  text(p.name, name);
+  if (!name.empty()) p.value = beside(p.name, name);
+}
+
 void TomlTable::operator()(const Parameter<std::vector<std::string>>& p) {
   const toml::node* node = find(p.name);
   if (!node) return;

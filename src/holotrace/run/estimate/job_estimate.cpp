@@ -269,7 +269,8 @@ using Json = nlohmann::ordered_json;
 RealTime real_time(const JobEstimate& e, double frames_per_second) {
   RealTime r;
   r.frames_per_second = frames_per_second;
-  r.seconds_per_frame = e.seconds_of("trace") + e.seconds_of("synthesize") + e.seconds_of("encode");
+  r.seconds_per_frame =
+      e.seconds_of("focal stack") + e.seconds_of("trace") + e.seconds_of("synthesize") + e.seconds_of("encode");
   r.times = r.seconds_per_frame * frames_per_second;
   r.cores = std::ceil(r.times * thread_count());
   r.multiply_adds_per_second = r.times * measure_multiply_add_peak(e.seconds() < 5 ? 1 : 5);  // short for short jobs
