@@ -10,7 +10,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 
 EyeTrack track_of(const std::string& text) { return load_eye_track(make_file("walk.csv", text)); }

@@ -14,6 +14,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/text.h"
+#include "holotrace/io/mesh/gltf_compression.h"
 
 namespace holotrace {
 namespace {
@@ -58,17 +59,16 @@ void check_version(const GltfFile& gltf) {
 
 // Refuses files that require an extension without which they cannot be read.
 void check_required_extensions(const GltfFile& gltf) {
-  constexpr std::array harmless{"KHR_texture_transform", "KHR_lights_punctual",   "EXT_texture_webp",
-                                "KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility"};
+  constexpr std::array harmless{"KHR_texture_transform",      "KHR_lights_punctual",    "EXT_texture_webp",
+                                "KHR_mesh_quantization",      "KHR_animation_pointer",  "KHR_node_visibility",
+                                "KHR_draco_mesh_compression", "EXT_meshopt_compression"};
   for (const Json& item : gltf.document.value("extensionsRequired", Json::array())) {
     const std::string name = item.get<std::string>();
     if (name.starts_with("KHR_materials_") || std::find(harmless.begin(), harmless.end(), name) != harmless.end())
       continue;
-    fail("{}: expected a glTF model that can be read without extensions, but it needs {}; export it without {}",
-         gltf.path, name,
-         name.find("quantization") != std::string::npos || name.find("compression") != std::string::npos
-             ? "compression"
-             : "that extension");
+    fail(
+        "{}: expected a glTF model that can be read without extensions, but it needs {}; export it without that extension",
+        gltf.path, name);
   }
 }
 
@@ -165,6 +165,7 @@ GltfFile read_gltf(const std::string& path, Outside outside) {
     check_required_extensions(gltf);
     check_nodes(gltf);
     gltf.buffers = read_buffers(gltf, std::move(binary));
+    decompress_gltf(gltf);
   } catch (const Json::exception& e) {
     fail("{}: expected a glTF model, but it is damaged ({}); export it again", path, reason(e));
   } catch (const std::out_of_range&) {

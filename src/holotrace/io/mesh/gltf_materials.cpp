@@ -216,7 +216,8 @@ void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
     if (name == "KHR_lights_punctual")
       warn("lights", "the model's lights are ignored; place them in the scene");
     else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp" &&
-             name != "KHR_animation_pointer" && name != "KHR_node_visibility")
+             name != "KHR_animation_pointer" && name != "KHR_node_visibility" && name != "KHR_mesh_quantization" &&
+             name != "KHR_draco_mesh_compression" && name != "EXT_meshopt_compression")
       warn(name, fmt::format("the extension {} is ignored", name));
   }
 } catch (const Json::exception& e) {

@@ -170,7 +170,10 @@ void write_eyes(const std::string& path, const std::vector<EyeOfFilm>& eyes) {
 }
 
 Chart chart_of_psnr(const std::vector<EyeOfFilm>& eyes) {
-  Chart chart{"Views of a hologram for the measured eye", "time [s]", "PSNR [dB]", {}};
+  Chart chart;
+  chart.title = "Views of a hologram for the measured eye";
+  chart.x_label = "time [s]";
+  chart.y_label = "PSNR [dB]";
   chart.series = {curve_of("from the eye", eyes, [](const EyeOfFilm& eye) { return eye.psnr; }),
                   curve_of("from the measured eye", eyes, [](const EyeOfFilm& eye) { return eye.measured_psnr; })};
   chart.series.back().is_dashed = true;
@@ -179,7 +182,10 @@ Chart chart_of_psnr(const std::vector<EyeOfFilm>& eyes) {
 }
 
 Chart chart_of_distance(const std::vector<EyeOfFilm>& eyes) {
-  Chart chart{"Distance from the eye to the measured one", "time [s]", "distance [mm]", {}};
+  Chart chart;
+  chart.title = "Distance from the eye to the measured one";
+  chart.x_label = "time [s]";
+  chart.y_label = "distance [mm]";
   chart.series = {curve_of("measured", eyes, [](const EyeOfFilm& eye) { return std::optional(1e3 * eye.distance); })};
   const bool is_predicted =
       std::any_of(eyes.begin(), eyes.end(), [](const auto& eye) { return eye.distance != eye.without_prediction; });
