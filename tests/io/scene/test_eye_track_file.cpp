@@ -3,6 +3,7 @@
 #include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "io/scene/scene_text.h"
+#include "support/error_of.h"
 #include "support/temporary.h"
 
 // Files of eye tracks, and scenes that name one.
@@ -10,7 +11,6 @@
 namespace holotrace {
 namespace {
 
-using test::error_of;
 using test::make_file;
 
 EyeTrack track_of(const std::string& text) { return load_eye_track(make_file("walk.csv", text)); }
