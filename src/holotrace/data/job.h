@@ -35,11 +35,11 @@ struct Job {
   AnimateParams animate;
   EyeParams eye;
   std::optional<TrackedEye> tracked{};  ///< the eye at `time`, whose place is camera.eye; nothing without an eye track
-  double time = 0;                    ///< time [s] at which the values of the scene were read
-  std::optional<double> last_key{};   ///< latest key over time in the scene [s]; nothing if nothing in it changes
-  bool are_distances_given = true;    ///< camera.distances; else choose_missing takes them from the scene's depths
-  std::vector<std::string> warnings;  ///< features of the files that are not shown, and old names of keys
-  std::vector<Chosen> chosen;         ///< what the job does not give, and was chosen for it (run/choose.h)
+  double time = 0;                      ///< time [s] at which the values of the scene were read
+  std::optional<double> last_key{};     ///< latest key over time in the scene [s]; nothing if nothing in it changes
+  bool are_distances_given = true;      ///< camera.distances; else choose_missing takes them from the scene's depths
+  std::vector<std::string> warnings;    ///< features of the files that are not shown, and old names of keys
+  std::vector<Chosen> chosen;           ///< what the job does not give, and was chosen for it (run/choose.h)
 };
 
 /// Whether something in a scene has a colour: a surface, a texture, a vertex, a metal such as gold, a light, or the
