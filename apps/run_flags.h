@@ -62,7 +62,7 @@ class RunFlags {
   std::string wavelengths_, eye_separation_;
   std::optional<int64_t> seed_;
   SceneFlags scene_;
-  Flags camera_, render_, encode_, trace_;       // separate sets, because some names occur twice
+  Flags camera_, render_, encode_, trace_;  // separate sets, because some names occur twice
   Flags eye_{{{"track", "eye_track"},
               {"latency", "eye_latency"},
               {"noise", "eye_noise"},

@@ -3,6 +3,7 @@
 #include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "io/scene/scene_text.h"
+#include "support/error_of.h"
 #include "support/temporary.h"
 
 // Files of eye tracks, and scenes that name one.

@@ -40,8 +40,7 @@ struct FilmPictures {
 /// widest_animation are averaged down to it.
 ///
 /// Durations of frames are those of `fps`, rounded to the units of the format (GIF 1/100 s, at least 2/100 s; WebP 1/1000 s) so
-/// that no error adds up. MP4 and WebM have the rate itself. The pictures of a WebP are kept until its end as encoded; otherwise one
-/// at a time is.
+/// that no error adds up. MP4 and WebM have the rate itself. Memory holds a few pictures at a time.
 /// @param fps     pictures per second, above 0
 /// @throws Error  for no pictures, different sizes, another ending, and as save_animation
 void save_film(const std::string& path, const FilmPictures& film, double fps);

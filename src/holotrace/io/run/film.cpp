@@ -80,23 +80,23 @@ std::vector<Hologram> last_holograms(const std::string& folder, size_t time) {
 }
 
 // Writes the film of one kind of pictures, or its series. Each is the mean over the times that are shown while the shutter is open.
-void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white,
-                   const FilmPlan& plan) {
+void save_pictures(const std::string& path, size_t count, const std::function<std::string(size_t)>& picture_path,
+                   double white, const FilmPlan& plan) {
   const double fps = plan.fps, intervals = std::max(1.0, plan.shutter * fps);
   const auto picture = [&](size_t i) {
-    Image sum = load_image(pictures[i]);
+    Image sum = load_image(picture_path(i));
     double shown = 1;  // intervals
-    for (size_t k = i + 1; k < pictures.size() && double(k - i) < intervals; ++k) {
+    for (size_t k = i + 1; k < count && double(k - i) < intervals; ++k) {
       const double part = std::min(1.0, intervals - double(k - i));
-      const Image image = load_image(pictures[k]);
+      const Image image = load_image(picture_path(k));
       for (size_t v = 0; v < sum.values.size(); ++v) sum.values[v] += float(part * image.values[v]);
       shown += part;
     }
     for (float& value : sum.values) value = float(value / (shown * white));
     return sum;
   };
-  if (!is_series_name(path)) return save_film(path, {pictures.size(), picture}, fps);
-  for (size_t i = 0; i < pictures.size(); ++i) save_image(series_path(path, i), picture(i), 1, 8);
+  if (!is_series_name(path)) return save_film(path, {count, picture}, fps);
+  for (size_t i = 0; i < count; ++i) save_image(series_path(path, i), picture(i), 1, 8);
 }
 
 }  // namespace
@@ -168,10 +168,9 @@ SavedRun finish_film(const std::string& folder, const FilmPlan& plan, const Film
   const std::vector<std::string> aside = write_together(report, report_record(report), [&](const OutputSet& set) {
     for (const auto& [kind, first] : {std::pair("render", film_render), std::pair("view", film_view)}) {
       for (size_t k = 0; is_file(numbered_path(picture_path(0, first), k)); ++k) {
-        std::vector<std::string> pictures;
-        for (size_t i = 0; i < times.count; ++i) pictures.push_back(numbered_path(picture_path(i, first), k));
         const std::string name = k == 0 ? std::string(kind) : fmt::format("{}_{}", kind, k + 1);
-        save_pictures(set.path(name + film_ending(plan.format)), pictures, white, plan);
+        const auto path_of = [&, first = first](size_t i) { return numbered_path(picture_path(i, first), k); };
+        save_pictures(set.path(name + film_ending(plan.format)), times.count, path_of, white, plan);
       }
     }
     write_timing(set.path("timing.csv"), times, plan.fps);

@@ -76,7 +76,7 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 /// **What does not change.** If nothing that the results depend on differs from the time before, they are saved again. Holograms of
 /// waves are taken again if only what the camera does differs (EarlierRun).
 ///
-/// Memory holds the results of two times, a line of the tables and the report for each time and, of a WebP, its encoded pictures.
+/// Memory holds the results of two times, whatever their number; with an eye track also a line of its table for each.
 /// @throws Error  as run, save_run and save_film do; for times with other wavelengths or sizes of pictures than the first; with
 ///                plan.from_last for a job whose holograms do not aim at the light of the scene
 ///

@@ -8,6 +8,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/new_file.h"
 #include "holotrace/run/eye_views.h"
 
 namespace holotrace {
@@ -39,8 +40,25 @@ TimeOfFilm read_film_time(const std::string& folder, double seconds) {
   return time;
 }
 
+namespace {
+
+// A text file that is written part by part, completely or not at all.
+class GrowingText {
+ public:
+  explicit GrowingText(const std::string& path) : file_(path) {}
+
+  void add(const std::string& text) { file_.put(text.data(), text.size()); }
+  void finish() { file_.finish(); }
+
+ private:
+  NewFile file_;
+};
+
+}  // namespace
+
 void write_timing(const std::string& path, const TimesOfFilm& times, double fps) {
-  std::string text = "start_s,duration_s,time_s,frame,wavelengths_nm,bit_plane,illumination_w_per_m2,light,file\n";
+  GrowingText file(path);
+  file.add("start_s,duration_s,time_s,frame,wavelengths_nm,bit_plane,illumination_w_per_m2,light,file\n");
   for (size_t i = 0; i < times.count; ++i) {
     const TimeOfFilm time = times.at(i);
     const auto& holograms = time.mark.holograms;
@@ -49,13 +67,13 @@ void write_timing(const std::string& path, const TimesOfFilm& times, double fps)
       const FilmHologram& one = holograms[k];
       std::vector<double> nanometres = one.wavelengths;
       for (double& wavelength : nanometres) wavelength *= 1e9;
-      text += fmt::format("{:.10g},{:.10g},{:.10g},{},{:.10g},{},{:.10g},{},{}/{}\n",
-                          (double(i) + double(k) / count) / fps, 1 / fps / count, time.seconds, one.frame + 1,
-                          fmt::join(nanometres, " "), one.levels == 2 ? fmt::format("{}", k + 1) : "", one.illumination,
-                          quoted(one.light), folder_name(time), one.file);
+      file.add(fmt::format("{:.10g},{:.10g},{:.10g},{},{:.10g},{},{:.10g},{},{}/{}\n",
+                           (double(i) + double(k) / count) / fps, 1 / fps / count, time.seconds, one.frame + 1,
+                           fmt::join(nanometres, " "), one.levels == 2 ? fmt::format("{}", k + 1) : "",
+                           one.illumination, quoted(one.light), folder_name(time), one.file));
     }
   }
-  write_text(path, text);
+  file.finish();
 }
 
 namespace {
@@ -197,41 +215,58 @@ Chart chart_of_distance(const std::vector<EyeOfFilm>& eyes) {
   return chart;
 }
 
+namespace {
+
+// A time in the report of a film.
+OrderedJson time_json(const TimeOfFilm& time) {
+  OrderedJson views = OrderedJson::array();
+  std::vector<std::string> warnings;
+  for (const OrderedJson& stage : time.report.value("stages", OrderedJson::array())) {
+    for (const OrderedJson& warning : stage.value("warnings", OrderedJson::array()))
+      warnings.push_back(stage.value("stage", "") + ": " + warning.get<std::string>());
+    if (!stage.contains("distance_m")) continue;
+    views.emplace_back();
+    for (const auto& [key, value] : stage.items())
+      if (value.is_number() && key != "seconds") views.back()[key] = value;
+  }
+  return {{"time_s", time.seconds},
+          {"folder", folder_name(time)},
+          {"seconds", time.report.value("seconds", 0.0)},
+          {"holograms", time.mark.holograms.size()},
+          {"views", views},
+          {"warnings", warnings}};
+}
+
+// The lines of an object or of one of its values, `depth` spaces deeper.
+std::string indented(const OrderedJson& json, int depth) {
+  const std::string text = json.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
+  return replace_all(text, "\n", "\n" + std::string(size_t(depth), ' '));
+}
+
+}  // namespace
+
 void save_film_report(const std::string& path, const TimesOfFilm& times, double fps, double shutter, double white,
                       const std::vector<EyeOfFilm>& eyes, const FileRecord& files) {
-  OrderedJson json{{"versions", {{"holotrace", HOLOTRACE_VERSION}}},
+  OrderedJson head{{"versions", {{"holotrace", HOLOTRACE_VERSION}}},
                    {"fps", fps},
                    {"seconds_of_film", double(times.count) / fps},
-                   {"white_w_per_m2_sr", white},
-                   {"times", OrderedJson::array()}};
-  if (shutter > 0) json["shutter_s"] = shutter;
+                   {"white_w_per_m2_sr", white}};
+  GrowingText file(path);
+  const std::string begin = indented(head, 0);
+  file.add(begin.substr(0, begin.size() - 2) + ",\n  \"times\": [");
   double total = 0;
   for (size_t i = 0; i < times.count; ++i) {
     const TimeOfFilm time = times.at(i);
-    OrderedJson views = OrderedJson::array();
-    std::vector<std::string> warnings;
-    for (const OrderedJson& stage : time.report.value("stages", OrderedJson::array())) {
-      for (const OrderedJson& warning : stage.value("warnings", OrderedJson::array()))
-        warnings.push_back(stage.value("stage", "") + ": " + warning.get<std::string>());
-      if (!stage.contains("distance_m")) continue;
-      views.emplace_back();
-      for (const auto& [key, value] : stage.items())
-        if (value.is_number() && key != "seconds") views.back()[key] = value;
-    }
-    const double seconds = time.report.value("seconds", 0.0);
-    total += seconds;
-    json["times"].push_back({{"time_s", time.seconds},
-                             {"folder", folder_name(time)},
-                             {"seconds", seconds},
-                             {"holograms", time.mark.holograms.size()},
-                             {"views", views},
-                             {"warnings", warnings}});
+    total += time.report.value("seconds", 0.0);
+    file.add((i > 0 ? ",\n    " : "\n    ") + indented(time_json(time), 4));
   }
-  if (!eyes.empty()) json["eye"] = eyes_json(eyes);
-  json["seconds"] = total;
-  json["complete"] = true;
-  json["files"] = record_json(files);
-  write_text(path, json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n");
+  OrderedJson tail = OrderedJson::object();
+  if (!eyes.empty()) tail["eye"] = eyes_json(eyes);
+  tail["seconds"] = total;
+  tail["complete"] = true;
+  tail["files"] = record_json(files);
+  file.add("\n  ]," + indented(tail, 0).substr(1) + "\n");
+  file.finish();
 }
 
 }  // namespace holotrace
