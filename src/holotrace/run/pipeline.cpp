@@ -88,6 +88,10 @@ bool has_holograms_of(const Job& job, const EarlierRun* earlier) {
 // The light of an earlier run; its fields are not needed again.
 SceneLight light_of(const EarlierRun& earlier, const Observer& o) {
   o.fact("holograms", earlier.results.holograms.size());
+  for (const StageReport& stage : earlier.results.report.stages)
+    if (stage.stage == "trace" || stage.stage == "synthesize" || stage.stage == "encode" || stage.stage == "reuse")
+      for (const std::string& warning : stage.warnings)
+        o.warn(stage.stage == "reuse" ? warning : stage.stage + ": " + warning);
   SceneLight light;
   light.sources = earlier.results.sources;
   return light;

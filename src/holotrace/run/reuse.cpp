@@ -2,6 +2,7 @@
 
 #include "holotrace/base/archive.h"
 #include "holotrace/data/members.h"
+#include "holotrace/denoise/denoise.h"
 
 namespace holotrace {
 
@@ -19,7 +20,12 @@ uint64_t cause_of_results(Job job) {
   job.animate = {};
   job.eye = {};  // `tracked` has what follows from it
   job.warnings.clear();
-  return fingerprint_of(job);
+  std::string denoiser;  // pictures are others with it
+  if (job.encode.denoise != Denoise::none) try {
+      denoiser = find_denoiser();
+    } catch (const NoDenoiser&) {
+    }
+  return fingerprint_of(job, denoiser);
 }
 
 uint64_t cause_of_waves(const Job& job) {

@@ -20,6 +20,7 @@
 #include "holotrace/io/run_folder.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/reuse.h"
+#include "holotrace/run/scene_targets.h"
 
 namespace holotrace {
 namespace {
@@ -31,14 +32,19 @@ std::string fingerprint(const Job& job) {
   return fmt::format("{:016x}", fingerprint_of(std::string(HOLOTRACE_VERSION), cause_of_results(job)));
 }
 
-FilmMark mark_of(const std::string& job, const RunResults& results) {
+// The mark of a time. A display that adds rolling frames has shown all but the last one already, at the times before.
+FilmMark mark_of(const std::string& job, const RunResults& results, bool shows_last_alone) {
   FilmMark mark{job, results.render_white, {}};
-  for (const Hologram& hologram : results.holograms) {
+  uint32_t last = 0;
+  for (const Hologram& hologram : results.holograms) last = std::max(last, hologram.label.frame);
+  for (size_t i = 0; i < results.holograms.size(); ++i) {
+    const Hologram& hologram = results.holograms[i];
+    if (shows_last_alone && hologram.label.frame < last) continue;
     std::vector<double> wavelengths;
     for (const JointColour& colour : hologram.colours) wavelengths.push_back(colour.wavelength);
     if (wavelengths.empty()) wavelengths.push_back(hologram.wavelength);
-    mark.holograms.push_back({numbered_path(run_hologram, mark.holograms.size()), int64_t(hologram.label.frame),
-                              hologram.label.name, wavelengths, hologram.levels, hologram.illumination});
+    mark.holograms.push_back({numbered_path(run_hologram, i), int64_t(hologram.label.frame), hologram.label.name,
+                              wavelengths, hologram.levels, hologram.illumination});
   }
   return mark;
 }
@@ -130,6 +136,11 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
     require(job.wavelengths == wavelengths,
             "expected the same wavelengths at all times of a film, got others at {}; give \"wavelength\" in the scene",
             format_time(plan.times[i]));
+    require(!job.encode.is_rolling || plan.from_last,
+            "expected rolling frames in a film that goes on from the last time; give from_last, or leave out rolling");
+    require(
+        aims_at_scene(job) || job.render.reference != Reference::none,
+        "expected a film with renders, by which all its views are exposed together, got reference = none; use quick or full");
     const std::string own = film_folder(folder, i), own_job = fingerprint(job);
     mark = plan.from_last ? fmt::format("{:016x}", fingerprint_of(mark, own_job)) : own_job;
     FilmStep step = FilmStep::kept;
@@ -142,7 +153,10 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
                         plan.from_last ? last_holograms(folder, i) : std::vector<Hologram>());
       if (before->results.report.time) before->results.report.time = plan.times[i];
       make_folder(own);
-      const FilmMark film = mark_of(mark, before->results);
+      if (step == FilmStep::same)
+        for (StageReport& stage : before->results.report.stages)
+          stage.seconds = 0;  // they are those of the time before
+      const FilmMark film = mark_of(mark, before->results, job.encode.is_rolling && i > 0);
       const SavedRun one = save_run(own, before->results, job, stages, watch.before_naming, &film);
       notes.insert(notes.end(), one.notes.begin(), one.notes.end());
     }
@@ -185,6 +199,9 @@ SavedRun finish_film(const std::string& folder, const FilmPlan& plan, const Film
     if (watch.before_naming) naming = watch.before_naming();
   });
   saved.notes.insert(saved.notes.end(), aside.begin(), aside.end());
+  if (const std::string beyond = film_folder(folder, times.count); fs::exists(beyond))
+    saved.notes.push_back(
+        fmt::format("{} and the folders after it are of an earlier, longer film; remove them", beyond));
   return saved;
 }
 

@@ -68,7 +68,8 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 ///
 /// **Resuming.** A time whose folder holds the finished run of the same job, by a fingerprint of the whole job and of the
 /// program's version, is kept. So a call that was killed goes on with the first time that it has not finished, and a longer film
-/// keeps the times of a shorter one. The files have the same bytes as without an interruption.
+/// keeps the times of a shorter one. The files have the same bytes as without an interruption, but for reports, whose stages say
+/// what this call has computed.
 ///
 /// **From the last.** With plan.from_last the holograms of a time depend on those of all times before, whose fingerprints are part
 /// of its own. Where nothing moves the iterations go on, too.
