@@ -69,13 +69,17 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
   shorten_help(*command,
                {"holotrace animate scene.toml -o film", "holotrace animate scene.toml -o film --seconds 2 --fps 25",
                 "holotrace animate walk.glb -o film --film-format mp4"},
-               {"--output", "--film-start", "--seconds", "--fps", "--times", "--shutter", "--from-last", "--film-format", "--slm",
-                "--wavelength", "--quality", "--method", "--frames", "--distance", "--pupil", "--eye", "--paths",
-                "--seed", "--help", "--help-all"});
+               {"--output",      "--film-start", "--seconds",    "--fps",     "--times",  "--shutter", "--from-last",
+                "--film-format", "--slm",        "--wavelength", "--quality", "--method", "--frames",  "--distance",
+                "--pupil",       "--eye",        "--paths",      "--seed",    "--help",   "--help-all"});
   command->callback([o, &global] {
     Job first = o->flags.job(o->scene, global.outside(), std::nullopt, 0);
     o->times.apply(first.animate);
-    FilmPlan plan{times_of(first.animate, first.last_key), first.animate.fps, first.animate.format, {}, 0,
+    FilmPlan plan{times_of(first.animate, first.last_key),
+                  first.animate.fps,
+                  first.animate.format,
+                  {},
+                  0,
                   first.animate.from_last};
     const FilmShutter shutter = shutter_of_film(first, o->flags.shutter_of(first));
     plan.shutter = shutter.of_camera;

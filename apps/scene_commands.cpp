@@ -83,11 +83,12 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
   Checkpoints::add_flag(*command, o->checkpoint);
   add_last(*command, o->last);
   o->flags.add(*command, true);
-  shorten_help(*command,
-               {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
-                "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
-               {"--output", "--slm", "--time", "--shutter", "--wavelength", "--quality", "--method", "--target", "--frames",
-                "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
+  shorten_help(
+      *command,
+      {"holotrace run model.glb -o out", "holotrace run scene.toml -o out --quality good",
+       "holotrace run scene.toml -o out --eye \"0 0 250 mm\" --pupil \"3 mm\""},
+      {"--output", "--slm", "--time", "--shutter", "--wavelength", "--quality", "--method", "--target", "--frames",
+       "--distance", "--pupil", "--eye", "--paths", "--seed", "--estimate", "--help", "--help-all"});
   command->callback([o, &global] {
     const Job job = o->flags.job(o->scene, global.outside());
     const Checkpoints checkpoints(o->checkpoint);

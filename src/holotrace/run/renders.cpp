@@ -59,8 +59,8 @@ void render_brightest(const Job& job, const RenderParams& params, HalvedRender& 
     full.paths = job.render.paths;
     Observer progress;
     progress.on_progress = part_of(observer, step, 2).on_progress;
-    render_pixels(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), full, mask,
-                  image, progress);
+    render_pixels(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), full,
+                  mask, image, progress);
   };
   PixelMask done = brightest_pixels(image, count, [](size_t) { return true; });
   render_all_paths(done, 0);
@@ -123,7 +123,8 @@ std::vector<PlannedRender> plan_stereo_renders(const Job& job) {
 Image make_render(const Job& job, const RenderParams& params, const Observer& observer) {
   observer.fact("seed", params.seed);
   if (!job.moments.empty()) observer.fact("shutter_moments", job.moments.size());
-  return render(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params, observer);
+  return render(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), params,
+                observer);
 }
 
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer) {
@@ -160,7 +161,8 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
   for (size_t d = 0; d < distances.size(); ++d) {
     params.focus = distances[d];
     params.field_of_view = std::atan(panel.height() / 2 / std::abs(distances[d]));
-    pictures.push_back(render(exposure_of(job), panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));
+    pictures.push_back(
+        render(exposure_of(job), panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));
     limit_to_pupil(pictures.back(), panel.pitch, wavelength, distances[d] + params.eye.z, params.pupil);
   }
   return pictures;
@@ -273,8 +275,8 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
   const bool is_denoised = is_to_denoise(params.denoise, use) && can_denoise(job.scene, params.denoise, observer);
   const double traced = is_denoised ? of_tracing : 1;
   FocalStack stack =
-      trace_focal_stack(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone), distances,
-                        params, between(observer, 0, traced));
+      trace_focal_stack(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone),
+                        distances, params, between(observer, 0, traced));
   if (!is_denoised) return stack;
   const double each = (1 - traced) / double(stack.pictures.size());
   for (size_t k = 0; k < stack.pictures.size(); ++k)

@@ -307,7 +307,8 @@ SceneTargets trace_targets(const Job& job, const Observer& observer) {
         planes.distances.push_back(distance);
     if (job.encode.target == EncodeTarget::light_field)
       planes.light_field = LightFieldParams{.distance = targets.distances[targets.distances.size() / 2]};
-    SceneViews views = trace_scene_views(exposure_of(job), job.slm.grid, shared_wavelength(job), planes, params, observer);
+    SceneViews views =
+        trace_scene_views(exposure_of(job), job.slm.grid, shared_wavelength(job), planes, params, observer);
     denoise_targets(job, views.stack.pictures, views.light_field.views, observer);
     for (FocalStack* stack : {&targets.planes, &targets.seen}) stack->grid = views.stack.grid;
     targets.seen.distances = job.camera.distances;

@@ -83,7 +83,8 @@ std::vector<Hologram> last_holograms(const std::string& folder, size_t time) {
 }
 
 // Writes the film of one kind of pictures, or its series. Each is the mean over the times that are shown while the shutter is open.
-void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white, const FilmPlan& plan) {
+void save_pictures(const std::string& path, const std::vector<std::string>& pictures, double white,
+                   const FilmPlan& plan) {
   const double fps = plan.fps, intervals = std::max(1.0, plan.shutter * fps);
   const auto picture = [&](size_t i) {
     Image sum = load_image(pictures[i]);
