@@ -101,6 +101,70 @@ TEST(Animate, DarkTimesAreDark) {
             0);
 }
 
+// The pictures of a film that a camera makes whose shutter is open for two times and a half: 1, 1 and 1/2 of three of them. At the end
+// there are fewer.
+TEST(Animate, ACameraSeesTheMeanOfTheHologramsWhileItsShutterIsOpen) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  const auto film = [&](const std::string& folder, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"animate", "scene.toml",    "-o", folder, "--seconds",
+                                       "0.6",     "--film-format", "png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = work.run(arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  film("sharp", {});
+  film("seen", {"--shutter", "500 ms"});
+  const double white = Json::parse(work.read("seen/report.json")).at("white_w_per_m2_sr");
+  EXPECT_EQ(Json::parse(work.read("seen/report.json")).at("shutter_s"), 0.5);
+  EXPECT_FALSE(Json::parse(work.read("sharp/report.json")).contains("shutter_s"));
+  for (const std::string kind : {"view", "render"}) {
+    std::vector<Image> of_time;
+    for (const int t : {1, 2, 3})
+      of_time.push_back(load_image(work.path("sharp/t_000" + std::to_string(t) + "/film_" + kind + ".exr")));
+    const double weights[3][3] = {{0.4, 0.4, 0.2}, {0, 0.5, 0.5}, {0, 0, 1}};
+    for (const int t : {0, 1, 2}) {
+      const Image seen = load_image(work.path("seen/" + kind + "_000" + std::to_string(t + 1) + ".png"));
+      for (size_t v = 0; v < of_time[0].values.size(); ++v) {
+        double mean = 0;
+        for (const int k : {0, 1, 2}) mean += weights[t][k] * of_time[size_t(k)].values[v] / white;
+        // A grey of 8 bits: half a level of 255, where the sRGB curve is at most 2.4·x^(1.4/2.4)/1.055 steep, below 2.3.
+        ASSERT_NEAR(seen.values[v], std::min(1.0, mean), 2.3 * 0.5 / 255 + 1e-4) << kind << " " << t << " " << v;
+      }
+    }
+  }
+  // The holograms of waves are sharp at each time, so both films have the same.
+  EXPECT_EQ(work.read("sharp/t_0002/hologram.png"), work.read("seen/t_0002/hologram.png"));
+  // A shorter shutter blurs the render of each time, which the fingerprint knows, and has the bytes of a run.
+  film("seen", {"--shutter", "100 ms"});
+  ASSERT_EQ(work.run({"run", "scene.toml", "-o", "still", "--time", "200 ms", "--shutter", "180 deg", "-q"}).exit_code,
+            0);
+  EXPECT_EQ(work.read("seen/t_0002/render.png"), work.read("still/render.png"));
+  EXPECT_NE(work.read("seen/t_0002/render.png"), work.read("sharp/t_0002/render.png"));
+}
+
+// At rest a shutter changes nothing.
+TEST(Animate, AShutterWithoutMotionChangesNoByte) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  ASSERT_EQ(work.run({"render", "scene.toml", "--time", "1 s", "-o", "a.exr"}).exit_code, 0);
+  ASSERT_EQ(work.run({"render", "scene.toml", "--time", "1 s", "--shutter", "20 ms", "-o", "b.exr"}).exit_code, 0);
+  ASSERT_EQ(work.run({"render", "scene.toml", "--time", "0 s", "--shutter", "20 ms", "-o", "c.exr"}).exit_code, 0);
+  EXPECT_EQ(work.read("a.exr"), work.read("b.exr"));
+  EXPECT_NE(work.read("a.exr"), work.read("c.exr"));
+}
+
+TEST(Animate, BadShuttersAreRefused) {
+  const Workplace work;
+  work.write("scene.toml", moving_scene());
+  expect_error(work, {"render", "scene.toml", "-o", "a.exr", "--shutter=-1 ms"},
+               {"--shutter: expected a shutter of 0 s or more, got \"-1 ms\""});
+  const std::string kinds =
+      "--shutter: expected a time or an angle with its unit, such as \"20 ms\" or \"180 deg\", got ";
+  expect_error(work, {"run", "scene.toml", "-o", "a", "--shutter", "20"}, {kinds + "\"20\""});
+  expect_error(work, {"animate", "scene.toml", "-o", "a", "--shutter", "20 mm"}, {kinds + "\"20 mm\""});
+}
+
 // After 0.4 s the cube rests: the times 0.4 and 0.6 s have the same job.
 TEST(Animate, TimesThatAreEqualAreComputedOnce) {
   const Workplace work;

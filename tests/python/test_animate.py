@@ -51,6 +51,51 @@ def test_a_function_of_time_moves_what_it_likes():
     assert [round(one.time, 9) for one in runs] == [0, 1]
 
 
+def bright_bar(x):
+    """A luminous bar, 0.1 mm wide, 30 mm behind the panel."""
+    return {
+        "wavelength": 532e-9,
+        "slm": PANEL,
+        "materials": {"lamp": {"type": "diffuse", "reflectance": 0, "emission": 1}},
+        "object": [{"type": "quad", "width": 1e-4, "height": 1e-3, "position": x, "material": "lamp"}],
+        "render": {"rows": 48, "columns": 64, "paths": 64},
+        "encode": {"method": "phase"},
+        "camera": {"distances": 0.03},
+    }
+
+
+def test_an_open_shutter_blurs_what_moves():
+    keys = {"0 s": (-1e-4, 0, -0.03), "1 s": (1e-4, 0, -0.03)}
+    still = np.asarray(ht.render(ht.Scene(bright_bar(keys), time=0.5)))[24, :, 0]
+    blurred = np.asarray(ht.render(ht.Scene(bright_bar(keys), shutter="1 s")))[24, :, 0]
+    # The light is the same; over the bar and its way of 0.2 mm it is a trapezoid whose top is half as bright as the bar.
+    # Times are known to 1/32 and 1/64 (moments, paths).
+    assert blurred.sum() == pytest.approx(still.sum(), rel=1 / 32)
+    assert still.max() == pytest.approx(1, abs=1e-6)
+    assert blurred.max() == pytest.approx(0.5, abs=1 / 32 + 1 / 64)
+    from_table = ht.render(ht.Scene(bright_bar(keys), shutter=1.0))
+    assert np.array_equal(np.asarray(from_table)[24, :, 0], blurred)
+
+    def scene(time):
+        return ht.Scene(bright_bar((-1e-4 + 2e-4 * time, 0, -0.03)))
+
+    stages = {"render": {"reference": "full"}}
+    for moving_bar in (scene, bright_bar(keys), bright_bar(keys) | {"shutter": "500 ms"}):
+        shutter = None if isinstance(moving_bar, dict) and "shutter" in moving_bar else "180 deg"
+        first = list(ht.animate(moving_bar, fps=1, seconds=1, shutter=shutter, stages=stages))[0]
+        half = np.asarray(first.renders[0])[24, :, 0]
+        # Half of the way, 0.1 mm, is as long as the bar: a triangle that reaches its brightness in one pixel.
+        assert half.sum() == pytest.approx(still.sum(), rel=1 / 32)
+        assert 0.5 < half.max() <= 1
+
+
+def test_bad_shutters_are_refused():
+    with pytest.raises(ht.Error, match="expected a shutter of 0 s or more"):
+        ht.Scene(moving(), shutter=-1)
+    with pytest.raises(ht.Error, match='such as "20 ms" or "180 deg"'):
+        ht.Scene(moving(), shutter="20 mm")
+
+
 def test_what_does_not_move_is_refused():
     with pytest.raises(ht.Error, match="expected what moves"):
         ht.animate(ht.Scene(moving()), seconds=1)

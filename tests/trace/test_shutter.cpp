@@ -20,8 +20,7 @@ const Grid shutter_panel{32, 24, 8e-6};
 template <class SceneAt>
 std::vector<Moment> moments_of(int count, const SceneAt& scene_at) {
   std::vector<Moment> moments;
-  for (int k = 0; k < count; ++k)
-    moments.push_back({std::make_shared<Scene>(scene_at((k + 0.5) / count)), {}});
+  for (int k = 0; k < count; ++k) moments.push_back({std::make_shared<Scene>(scene_at((k + 0.5) / count)), {}});
   return moments;
 }
 
@@ -57,7 +56,7 @@ TEST(Shutter, AnEdgeThatMovesIsALinearRamp) {
   const auto moments = moments_of(count, [](double t) { return bright_rectangle(-1_mm + t * 3_mm, 0.3); });
   const RenderParams params{
       .columns = 40, .rows = 1, .field_of_view = std::atan(0.15_mm / 0.3), .focus = 0.3, .paths = paths};
-  expect_ramps(render(Exposure(moments), shutter_panel, green_light, params), -3_mm, 0, 0.3_mm, count, paths);
+  expect_ramps(render(SceneExposure(moments), shutter_panel, green_light, params), -3_mm, 0, 0.3_mm, count, paths);
 }
 
 // Seen from x, a place at half the distance of the plane in focus is at X = 2·place − x there: its edges move by −1 each.
@@ -67,8 +66,9 @@ TEST(Shutter, AnEyeThatMovesBlursWhatIsNotInFocus) {
   const auto shared = std::make_shared<Scene>(scene);
   std::vector<Moment> moments;
   for (int k = 0; k < count; ++k) moments.push_back({shared, {-3_mm * (k + 0.5) / count, 0, 0}});
-  const RenderParams params{.columns = 40, .rows = 1, .field_of_view = std::atan(0.15_mm / 0.3), .focus = 0.3, .paths = paths};
-  const Image picture = render(Exposure(moments), shutter_panel, green_light, params);
+  const RenderParams params{
+      .columns = 40, .rows = 1, .field_of_view = std::atan(0.15_mm / 0.3), .focus = 0.3, .paths = paths};
+  const Image picture = render(SceneExposure(moments), shutter_panel, green_light, params);
   const double error = 0.5 / count + 1.0 / paths;
   for (int i = 0; i < picture.nx; ++i) {
     const double low = (i - 20) * 0.3_mm, high = low + 0.3_mm;
@@ -115,10 +115,11 @@ constexpr int seeds = 8, stills = 64;
 
 TEST(Shutter, ARenderIsTheMeanOf64Stills) {
   const auto moments = moments_of(32, lit_wall);
-  RenderParams params{.columns = 24, .rows = 20, .field_of_view = std::atan(0.13_mm / 0.04), .focus = 0.04, .paths = 16};
+  RenderParams params{
+      .columns = 24, .rows = 20, .field_of_view = std::atan(0.13_mm / 0.04), .focus = 0.04, .paths = 16};
   std::vector<Image> exposed, each;
   for (params.seed = 1; params.seed <= seeds; ++params.seed)
-    exposed.push_back(render(Exposure(moments), shutter_panel, green_light, params));
+    exposed.push_back(render(SceneExposure(moments), shutter_panel, green_light, params));
   params.paths = 128;
   for (int k = 0; k < stills; ++k, ++params.seed)
     each.push_back(render(lit_wall((k + 0.5) / stills), shutter_panel, green_light, params));
@@ -132,7 +133,7 @@ TEST(Shutter, AFocalStackIsTheMeanOf64Stills) {
   std::vector<Image> exposed, each;
   for (params.seed = 1; params.seed <= seeds; ++params.seed)
     exposed.push_back(
-        trace_focal_stack(Exposure(moments), shutter_panel, green_light, distances, params).pictures[1]);
+        trace_focal_stack(SceneExposure(moments), shutter_panel, green_light, distances, params).pictures[1]);
   params.paths = 64;
   for (int k = 0; k < stills; ++k, ++params.seed)
     each.push_back(
@@ -168,9 +169,10 @@ TEST(Shutter, ALuminousPointSharesItsLight) {
     scene.points = {{{x, 0, -0.3}, 1, 0}};
     return std::make_shared<Scene>(scene);
   };
-  const RenderParams params{.columns = 4, .rows = 1, .field_of_view = std::atan(0.5_mm / 0.3), .focus = 0.3, .paths = 1};
+  const RenderParams params{
+      .columns = 4, .rows = 1, .field_of_view = std::atan(0.5_mm / 0.3), .focus = 0.3, .paths = 1};
   const double still = render(*at(-0.5_mm), shutter_panel, green_light, params)(0, 1, 0);
-  const Image moved = render(Exposure({{at(-0.5_mm), {}}, {at(0.5_mm), {}}}), shutter_panel, green_light, params);
+  const Image moved = render(SceneExposure({{at(-0.5_mm), {}}, {at(0.5_mm), {}}}), shutter_panel, green_light, params);
   EXPECT_GT(still, 0);
   for (const int column : {1, 2}) EXPECT_NEAR(moved(0, column, 0), still / 2, 1e-6 * still) << "rounding of floats";
 }

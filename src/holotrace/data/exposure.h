@@ -32,12 +32,12 @@ struct Moment {
 };
 
 /// What happens while a shutter is open: the scene at the middles of equal parts of that time. A still has one moment.
-struct Exposure {
+struct SceneExposure {
   std::vector<Moment> moments;
 
-  explicit Exposure(std::vector<Moment> moments) : moments(std::move(moments)) {}
+  explicit SceneExposure(std::vector<Moment> moments) : moments(std::move(moments)) {}
   /// A still. The scene must outlive it.
-  Exposure(const Scene& scene) : moments{{{std::shared_ptr<const Scene>(), &scene}, {}}} {}
+  SceneExposure(const Scene& scene) : moments{{{std::shared_ptr<const Scene>(), &scene}, {}}} {}
 };
 
 }  // namespace holotrace

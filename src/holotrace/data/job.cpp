@@ -125,7 +125,8 @@ void share_pictures(Scene& scene, const Scene& other) {
     share(own.emission_texture, with.emission_texture);
     share(own.normal_map, with.normal_map);
     if (auto* surface = std::get_if<DiffuseMaterial>(&own.surface))
-      if (const auto* of_other = std::get_if<DiffuseMaterial>(&with.surface)) share(surface->texture, of_other->texture);
+      if (const auto* of_other = std::get_if<DiffuseMaterial>(&with.surface))
+        share(surface->texture, of_other->texture);
     if (auto* surface = std::get_if<MetallicRoughnessMaterial>(&own.surface))
       if (const auto* of_other = std::get_if<MetallicRoughnessMaterial>(&with.surface)) {
         share(surface->base_texture, of_other->base_texture);
@@ -157,6 +158,8 @@ Job open_shutter(Job job, double seconds, const std::function<Job(double time)>&
   return job;
 }
 
-Exposure exposure_of(const Job& job) { return job.moments.empty() ? Exposure(job.scene) : Exposure(job.moments); }
+SceneExposure exposure_of(const Job& job) {
+  return job.moments.empty() ? SceneExposure(job.scene) : SceneExposure(job.moments);
+}
 
 }  // namespace holotrace

@@ -57,7 +57,7 @@ inline constexpr int shutter_moments = 32;
 Job open_shutter(Job job, double seconds, const std::function<Job(double time)>& at);
 
 /// The moments of a job, or its scene as a still. The job must outlive them.
-Exposure exposure_of(const Job& job);
+SceneExposure exposure_of(const Job& job);
 
 /// Whether something in a scene has a colour: a surface, a texture, a vertex, a metal such as gold, a light, or the
 /// surroundings. Channels that differ by up to 3 % of the brightest one are grey.

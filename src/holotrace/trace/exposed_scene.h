@@ -32,7 +32,7 @@ inline PathRange paths_of_moment(size_t moment, size_t moments, int paths, uint6
 /// The scenes of an exposure, prepared for light paths one at a time.
 class PreparedExposure {
  public:
-  PreparedExposure(const Exposure& exposure, const RenderParams& params) : exposure_(exposure), params_(params) {}
+  PreparedExposure(const SceneExposure& exposure, const RenderParams& params) : exposure_(exposure), params_(params) {}
 
   size_t moments() const { return exposure_.moments.size(); }
   const Moment& moment(size_t m) const { return exposure_.moments[m]; }
@@ -56,7 +56,7 @@ class PreparedExposure {
   }
 
  private:
-  const Exposure& exposure_;
+  const SceneExposure& exposure_;
   const RenderParams& params_;
   std::unique_ptr<PathScene> path_scene_;
   const Scene* prepared_ = nullptr;

@@ -349,7 +349,7 @@ LightField light_field_of(Target&& target, PreparedExposure& scenes, const Grid&
   return field;
 }
 
-void check_tracing(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params) {
+void check_tracing(const SceneExposure& exposure, const Grid& panel, double wavelength, const RenderParams& params) {
   for (const Moment& moment : exposure.moments) check_scene(*moment.scene);
   check_grid(panel);
   check_wavelength(wavelength, panel);
@@ -358,8 +358,8 @@ void check_tracing(const Exposure& exposure, const Grid& panel, double wavelengt
 
 }  // namespace
 
-SceneViews trace_scene_views(const Exposure& exposure, const Grid& panel, double wavelength, const ScenePlanes& planes,
-                             const RenderParams& params, const Observer& observer) {
+SceneViews trace_scene_views(const SceneExposure& exposure, const Grid& panel, double wavelength,
+                             const ScenePlanes& planes, const RenderParams& params, const Observer& observer) {
   check_tracing(exposure, panel, wavelength, params);
   check_planes(planes, panel);
   const StackLens lens{panel, 0, acceptance_tangent(wavelength, panel.pitch)};
@@ -388,8 +388,8 @@ SceneViews trace_scene_views(const Exposure& exposure, const Grid& panel, double
   return views;
 }
 
-LightField trace_light_field(const Exposure& exposure, const Grid& panel, double wavelength, const LightFieldParams& field,
-                             const RenderParams& params, const Observer& observer) {
+LightField trace_light_field(const SceneExposure& exposure, const Grid& panel, double wavelength,
+                             const LightFieldParams& field, const RenderParams& params, const Observer& observer) {
   check_tracing(exposure, panel, wavelength, params);
   check_light_field(field, panel);
   require(field.lens_z >= 0, "expected a lens on the panel or in front of it (z of 0 m or more), got z = {}",
@@ -404,7 +404,7 @@ LightField trace_light_field(const Exposure& exposure, const Grid& panel, double
   return light_field_of(std::move(targets.front()), scenes, panel, wavelength, lens);
 }
 
-FocalStack trace_focal_stack(const Exposure& exposure, const Grid& panel, double wavelength,
+FocalStack trace_focal_stack(const SceneExposure& exposure, const Grid& panel, double wavelength,
                              const std::vector<double>& distances, const RenderParams& params,
                              const Observer& observer) {
   return trace_scene_views(exposure, panel, wavelength, {distances, {}}, params, observer).stack;

@@ -76,18 +76,18 @@ struct SceneViews {
 ///                    fewer cells than 1 × 1 or more than the panel has pixels, and if the memory does not suffice
 ///
 /// Cost: about 1 + 2·ln(farthest/nearest) renders of as many paths per pixel.
-SceneViews trace_scene_views(const Exposure& exposure, const Grid& panel, double wavelength, const ScenePlanes& planes,
-                             const RenderParams& params, const Observer& observer = {});
+SceneViews trace_scene_views(const SceneExposure& exposure, const Grid& panel, double wavelength,
+                             const ScenePlanes& planes, const RenderParams& params, const Observer& observer = {});
 
 /// A light field alone, of the panel or of a lens in front of it: light for eyes there. In the definition above the lens then
 /// takes the place of the panel. Rays that pass beside the panel, or at larger angles than it accepts, count as well;
 /// picture_through (view/pupil_picture.h) leaves them out.
 /// @param params  paths: per pixel of its plane, shared among all cells
-LightField trace_light_field(const Exposure& exposure, const Grid& panel, double wavelength, const LightFieldParams& field,
-                             const RenderParams& params, const Observer& observer = {});
+LightField trace_light_field(const SceneExposure& exposure, const Grid& panel, double wavelength,
+                             const LightFieldParams& field, const RenderParams& params, const Observer& observer = {});
 
 /// The focal stack alone.
-FocalStack trace_focal_stack(const Exposure& exposure, const Grid& panel, double wavelength,
+FocalStack trace_focal_stack(const SceneExposure& exposure, const Grid& panel, double wavelength,
                              const std::vector<double>& distances, const RenderParams& params,
                              const Observer& observer = {});
 

@@ -125,7 +125,7 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
 }
 
 // The picture, or only its pixels in the mask; the others hold nothing but luminous points.
-Image render_masked(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& asked,
+Image render_masked(const SceneExposure& exposure, const Grid& panel, double wavelength, const RenderParams& asked,
                     const PixelMask* mask, const Observer& observer) {
   for (const Moment& moment : exposure.moments) check_scene(*moment.scene);
   check_grid(panel);
@@ -194,12 +194,12 @@ Image render_masked(const Exposure& exposure, const Grid& panel, double waveleng
 
 }  // namespace
 
-Image render(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
+Image render(const SceneExposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer) {
   return render_masked(exposure, panel, wavelength, params, nullptr, observer);
 }
 
-void render_pixels(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
+void render_pixels(const SceneExposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
                    const PixelMask& mask, Image& image, const Observer& observer) {
   check_ranges(params);
   const int columns = params.columns > 0 ? params.columns : params.rows;

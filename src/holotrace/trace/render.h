@@ -48,7 +48,7 @@ namespace holotrace {
 /// @throws Error      as `trace` does, and for an eye behind the panel (z < 0), a focus or pupil of 0 or less
 ///
 /// Cost: as `trace`, one first hit per path; and the trees of each moment.
-Image render(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
+Image render(const SceneExposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
              const Observer& observer = {});
 
 /// Mask of a picture's pixels, row by row; a pixel that is not 0 is selected.
@@ -56,7 +56,7 @@ using PixelMask = std::vector<uint8_t>;
 
 /// Replaces pixels of a picture by those that render makes of these parameters, to the last bit.
 /// @throws Error  as render does, and unless picture and mask have the size that the parameters ask for
-void render_pixels(const Exposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
+void render_pixels(const SceneExposure& exposure, const Grid& panel, double wavelength, const RenderParams& params,
                    const PixelMask& mask, Image& image, const Observer& observer = {});
 
 }  // namespace holotrace

@@ -17,8 +17,9 @@ using test::error_with;
 using test::make_file;
 
 std::string scene_with(const std::string& top, const std::string& position) {
-  return top + "wavelength = \"532 nm\"\n[[object]]\ntype = \"quad\"\nwidth = \"2 mm\"\nheight = \"2 mm\"\nposition = " + position +
-         "\n";
+  return top +
+         "wavelength = \"532 nm\"\n[[object]]\ntype = \"quad\"\nwidth = \"2 mm\"\nheight = \"2 mm\"\nposition = " +
+         position + "\n";
 }
 
 const std::string moving = "{ \"0 s\" = \"0 0 -300 mm\", \"1 s\" = \"32 0 -300 mm\" }";
@@ -64,9 +65,9 @@ TEST(SceneShutter, NothingMovesWithoutKeysAndAfterThem) {
 }
 
 TEST(SceneShutter, AnEyeMovesWithoutItsScene) {
-  const Job job = opened(scene_with("", "\"0 0 -300 mm\"") +
-                             "[render]\neye = { \"0 s\" = \"0 0 0 mm\", \"1 s\" = \"32 0 0 mm\" }\n",
-                         0, 1);
+  const Job job = opened(
+      scene_with("", "\"0 0 -300 mm\"") + "[render]\neye = { \"0 s\" = \"0 0 0 mm\", \"1 s\" = \"32 0 0 mm\" }\n", 0,
+      1);
   ASSERT_EQ(job.moments.size(), size_t(shutter_moments));
   EXPECT_EQ(job.moments.front().scene, job.moments.back().scene);
   EXPECT_NEAR(job.moments.back().eye_moved.x, 32e-3 * (shutter_moments - 0.5) / shutter_moments, 1e-15);
@@ -74,8 +75,7 @@ TEST(SceneShutter, AnEyeMovesWithoutItsScene) {
 
 TEST(SceneShutter, BadOnesAreRefused) {
   const auto refused = [](const std::string& value) {
-    return error_of(
-        [&] { load_job(make_file("scene.toml", scene_with("shutter = " + value + "\n", moving))); });
+    return error_of([&] { load_job(make_file("scene.toml", scene_with("shutter = " + value + "\n", moving))); });
   };
   EXPECT_TRUE(refused("\"-20 ms\"").ends_with("scene.toml:1:11: expected a shutter of 0 s or more, got \"-20 ms\""));
   EXPECT_TRUE(refused("\"20\"").ends_with(

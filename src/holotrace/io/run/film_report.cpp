@@ -251,6 +251,7 @@ void save_film_report(const std::string& path, const TimesOfFilm& times, double 
                    {"fps", fps},
                    {"seconds_of_film", double(times.count) / fps},
                    {"white_w_per_m2_sr", white}};
+  if (shutter > 0) head["shutter_s"] = shutter;
   GrowingText file(path);
   const std::string begin = indented(head, 0);
   file.add(begin.substr(0, begin.size() - 2) + ",\n  \"times\": [");
