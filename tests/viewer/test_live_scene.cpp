@@ -129,6 +129,9 @@ TEST(LiveScene, SaysWhatIsWrong) {
   EXPECT_EQ(error({"object.1.position", "0 0 mm"}).substr(0, 25), "--set object.1.position: ");
   for (const char* key : {"camera.pupil", "object.1.type", "object.2.position", "object.1.mesh", ""})
     EXPECT_EQ(error({key, "0 0 1 mm"}), fmt::format("expected a value of the scene that may be changed, got {}", key));
+  for (const char* value : {"/etc/passwd", "index.txt", "", "{ a = 1 }", "['x']"})  // no request can name a file
+    EXPECT_EQ(error({"object.1.width", value}),
+              fmt::format("expected a number, or a text that begins with one, for object.1.width, got \"{}\"", value));
   EXPECT_TRUE(session.view(at("", true)).has_value());  // it goes on after that
   Session still({square_scene()});
   EXPECT_EQ(error_of([&] { still.view(at("0 0 -90 mm", true)); }),

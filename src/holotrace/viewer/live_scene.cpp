@@ -117,6 +117,8 @@ Job LiveScene::job_with(const std::vector<SceneEdit>& edits) const {
     const auto is_it = [&](const SceneValue& value) { return value.edit.key == edit.key; };
     require(std::any_of(values_.begin(), values_.end(), is_it),
             "expected a value of the scene that may be changed, got {}", printable(edit.key, 80));
+    require(is_editable(edit), "expected a number, or a text that begins with one, for {}, got \"{}\"", edit.key,
+            printable(edit.value, 80));
     if (edit.key == "time")
       time = parse_time(edit.value);
     else

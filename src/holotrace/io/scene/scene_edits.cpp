@@ -158,6 +158,11 @@ void apply_edits(const std::vector<SceneEdit>& edits, toml::table& scene, std::v
   }
 }
 
+bool is_editable(const SceneEdit& edit) {
+  const toml::table parsed = parsed_value(edit, edit.key);
+  return is_changeable(*parsed.get("value"));
+}
+
 std::vector<SceneValue> editable_values(const toml::table& scene) {
   std::vector<SceneValue> values;
   const auto list_table = [&](const char* name) {

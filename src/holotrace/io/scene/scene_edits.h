@@ -27,6 +27,9 @@ SceneEdit parse_scene_edit(const std::string& text);
 /// @throws Error for a key that leads through a value that is no table or list, and for numbers beyond a list
 void apply_edits(const std::vector<SceneEdit>& edits, toml::table& scene, std::vector<std::string>& files);
 
+/// Whether a value is of the kinds that editable_values lists: it cannot name a file.
+bool is_editable(const SceneEdit& edit);
+
 /// A value of a scene that may be changed.
 struct SceneValue {
   SceneEdit edit;  ///< with the value that it has
