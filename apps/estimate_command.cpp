@@ -9,6 +9,7 @@
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/run/estimate/job_estimate.h"
+#include "run_flags.h"
 
 namespace holotrace {
 namespace {
@@ -69,15 +70,14 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       "predicted time of a run, stage by stage, and what real-time display would need; measured by short "
       "probes");
   struct Options {
-    std::string scene, time;
+    std::string scene;
+    SceneFlags scene_flags;
     double frames_per_second = 30;
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
-      ->required()
-      ->type_name("SCENE.toml");
-  add_time(*command, o->time);
+  add_scene(*command, o->scene);
+  o->scene_flags.add(*command);
   command->add_option("--fps", o->frames_per_second, "frame rate of the real-time estimate, in frames per second [30]")
       ->type_name("NUMBER");
   command->add_flag(
@@ -87,8 +87,10 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
   command->add_flag("--json", o->is_json, "as JSON");
   command->callback([o, &global] {
     check_flag("--fps", o->frames_per_second, range::above_to(0, 1e6), Quantity::number);
-    const CostAnswer a = answer_about_cost(load_scene(o->scene, global.outside(), {}, "", parse_scene_time(o->time)),
-                                           o->frames_per_second, o->has_accelerators);
+    const CostAnswer a =
+        answer_about_cost(load_scene(o->scene, global.outside(), o->scene_flags.model(o->scene), o->scene_flags.slm,
+                                     o->scene_flags.seconds(), o->scene_flags.scene_edits()),
+                          o->frames_per_second, o->has_accelerators);
     if (o->is_json)
       fmt::print("{}\n", cost_json(a).dump(2));
     else

@@ -134,6 +134,9 @@ Job RunFlags::job(const std::string& scene, Outside outside, std::optional<doubl
     job.render.eye_separation = parse_length_flag("--eye-separation", eye_separation_, range::not_negative);
   if (seed_) check_flag("--seed", double(*seed_), range::not_negative, Quantity::count);
   if (seed_) job.trace.seed = job.render.seed = job.encode.seed = *seed_;
+  if (is_mesh_file(scene) && (trace_.has("columns") || trace_.has("rows")))
+    job.warnings.emplace_back(
+        "--columns and --rows are rays of the trace, not pixels of the panel; give another panel by --slm");
   if (camera_.has("eye")) aim_at_eye_of_camera(job);
   job = choose_missing(std::move(job));
   if (aims_at_scene(job)) follow_paths_as_traced(trace_, job);

@@ -5,18 +5,18 @@ from __future__ import annotations
 import os
 from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
 
-import numpy as np
-
 from . import _core
+from ._checked import items
 from ._encode import Run, run
 from ._fields import Path
 from ._images import Image
 from ._parameters import takes
 from ._progress import Progress
 from ._scenes import Scene, load_scene
+from ._views import Views
 
-#: What moves: a scene file or a model, the tables of a scene with keys over time, or a function that gives the scene at a time [s].
-Moving = Union[Path, Mapping[str, Any], Callable[[float], Scene]]
+#: What moves: a scene file or a model, the tables of a scene with keys over time, or a function that gives the scene, or its tables, at a time [s].
+Moving = Union[Path, Mapping[str, Any], Callable[[float], Union[Scene, Mapping[str, Any]]]]
 
 
 def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
@@ -34,9 +34,12 @@ def _at(moving: Moving, allow_outside: bool) -> Callable[[Any], Scene]:
     function = moving
 
     def scene_at(time: Any) -> Scene:
-        scene = function(0.0 if time is None else time)
+        at = 0.0 if time is None else time
+        scene = function(at)
+        if isinstance(scene, Mapping):
+            return Scene(scene, allow_outside=allow_outside, time=time)
         if not isinstance(scene, Scene):
-            raise _core.Error(f"expected a Scene at {time} s, got {type(scene).__name__}")
+            raise _core.Error(f"expected a Scene, or its tables, at {at:g} s, got {type(scene).__name__}")
         return scene
 
     return scene_at
@@ -75,10 +78,16 @@ def animate(
     return runs()
 
 
-def save_film(path: Path, images: Sequence[Image], *, fps: float = 25, white: float = 1) -> None:
+def save_film(path: Path, images: Sequence[Union[Image, Views]], *, fps: float = 25, white: float = 1) -> None:
     """Write pictures as a film: .webp, .gif, or, with the program ffmpeg, .mp4 and .webm.
 
     ``white`` is the value that is shown as white. Pictures wider than 960 pixels are averaged down to that.
+    Of `Views` it takes the picture at the first distance.
     """
-    cores = [(one if isinstance(one, Image) else Image(np.asarray(one)))._core for one in images]
+    cores = []
+    for one in items(images, "pictures of a film"):
+        if isinstance(one, (list, tuple)) and len(one) > 0 and isinstance(one[0], Image):
+            raise _core.Error("expected one picture for each moment of the film, got a list of views; take the first, run.views[0]")
+        picture = one.image if isinstance(one, Views) else one
+        cores.append((picture if isinstance(picture, Image) else Image(picture))._core)
     _core.save_film(os.fspath(path), cores, float(fps), float(white))
