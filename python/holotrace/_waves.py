@@ -25,7 +25,7 @@ def panel(given: Panel) -> Slm:
     if isinstance(given, Slm):
         return given
     if isinstance(given, Mapping):
-        return Slm._of(_core.slm_of_table(dict(given)))
+        return Slm._of(_core.slm_of_table({"preset": "pluto", **given}))
     if not isinstance(given, (str, os.PathLike)):
         raise _core.Error(f"expected a panel: an Slm, its name, a file or a dict, got {type(given).__name__}")
     return Slm(given)

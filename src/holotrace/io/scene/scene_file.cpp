@@ -232,7 +232,7 @@ Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside 
 }
 
 Slm slm_of_table(const toml::table& table) {
-  return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "pluto");
+  return read_slm(TomlTable(table, std::make_shared<const SceneArrays>(), "the panel"), "");
 }
 
 Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm,

@@ -31,7 +31,7 @@ struct SceneArrays {
 Job job_of_tables(const toml::table& tables, const SceneArrays& arrays, Outside outside = Outside::refused,
                   std::optional<double> time = std::nullopt);
 
-/// The panel of a table with the keys of [slm], `pluto` without a preset. @throws Error as job_of_tables does
+/// The panel of a table with the keys of [slm]. @throws Error as job_of_tables does
 Slm slm_of_table(const toml::table& table);
 
 }  // namespace holotrace
