@@ -86,9 +86,9 @@ TEST(FirstSteps, ASceneWithoutLightIsAWarning) {
 
 TEST(FirstSteps, AMisspeltCommandOfCommandsIsNamed) {
   const Workplace work;
-  const Outcome outcome = work.run({"calibrate", "paterns", "--slm", "pluto"});
+  const Outcome outcome = work.run({"calibrate", "pattern", "--slm", "pluto"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.err.find("unknown command \"paterns\"; did you mean \"patterns\"?"), std::string::npos)
+  EXPECT_NE(outcome.err.find("unknown command \"pattern\"; did you mean \"patterns\"?"), std::string::npos)
       << outcome.err;
 }
 
