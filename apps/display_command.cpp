@@ -13,6 +13,7 @@
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/picture/panel_image_file.h"
 #include "monitor.h"
 #include "panel_image_flags.h"
@@ -83,6 +84,9 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
     std::vector<Hologram> holograms;
     for (const std::string& path : o->paths) {
       holograms.push_back(load_hologram(path, apply_to_hologram(o->flags)));
+      if (has_image_ending(path) && o->flags.texts().empty() && !is_hologram_file(path) &&
+          done_to_panel_image(path).is_null())
+        say_warnings({path + " has no metadata: its greys are taken as levels"});
       const Grid &first = holograms.front().grid, &other = holograms.back().grid;
       require(other.nx == first.nx && other.ny == first.ny,
               "expected holograms of one panel, but {} has {} × {} pixels and {} has {} × {}", o->paths.front(),

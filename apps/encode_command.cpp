@@ -31,6 +31,11 @@ namespace {
 EncodeJob job_of_picture_file(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
                               EncodeParams params, Console& console) {
   require(
+      !is_hologram_file(path),
+      "expected a field or a picture to encode, got the hologram {0}; holotrace display {0} -o p.bmp writes it in another "
+      "format",
+      path);
+  require(
       !wavelengths.empty() || !params.target_distances.empty(),
       "{} is a picture and says neither its wavelength nor where it is shown; give both, such as --wavelength \"532 nm\" "
       "--target-distances \"200 mm\"",

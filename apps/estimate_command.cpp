@@ -12,6 +12,7 @@
 #include "holotrace/run/choose.h"
 #include "holotrace/run/estimate/film_estimate.h"
 #include "holotrace/run/estimate/job_estimate.h"
+#include "run_flags.h"
 
 namespace holotrace {
 namespace {
@@ -111,16 +112,15 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       "predicted time of a run, stage by stage, and what real-time display would need; measured by short "
       "probes");
   struct Options {
-    std::string scene, time;
+    std::string scene;
+    SceneFlags scene_flags;
     double frames_per_second = 30, refresh = 0;
     Flags film{{{"start", "film_start"}}};
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "scene file (TOML), see docs/reference/scene_format.md")
-      ->required()
-      ->type_name("SCENE.toml");
-  add_time(*command, o->time);
+  add_scene(*command, o->scene);
+  o->scene_flags.add(*command);
   CLI::Option* fps = command
                          ->add_option("--fps", o->frames_per_second,
                                       "frame rate of the real-time estimate and of the film, in frames per second "
@@ -141,9 +141,11 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
     check_flag("--refresh", o->refresh, range::not_negative, Quantity::number);
     check_flag("--fps", o->frames_per_second, range::above_to(0, 1e6), Quantity::number);
     const auto job_at = [&](std::optional<double> time) {
-      return choose_missing(load_job(o->scene, global.outside(), {}, "", time));
+      return choose_missing(load_job(o->scene, global.outside(), o->scene_flags.model(o->scene), o->scene_flags.slm,
+                                     time, o->scene_flags.scene_edits()));
     };
-    Job job = load_scene(o->scene, global.outside(), {}, "", parse_scene_time(o->time));
+    Job job = load_scene(o->scene, global.outside(), o->scene_flags.model(o->scene), o->scene_flags.slm,
+                         o->scene_flags.seconds(), o->scene_flags.scene_edits());
     o->film.apply(job.animate);
     if (fps->count() > 0) job.animate.fps = o->frames_per_second;
     const bool has_film = job.last_key || o->film.has("seconds") || o->film.has("times");

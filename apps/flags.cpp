@@ -183,6 +183,14 @@ std::string missing(const CLI::App* command, const std::string& message) {
   return fmt::format("expected {}, got none", what);
 }
 
+// Of a command of commands: the argument behind its name, where none of them was named; else "".
+std::string word_after(const CLI::App* command, const CLI::App& app, int argc, const char* const* argv) {
+  if (command == &app || subcommands_of(command).empty()) return "";
+  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  const auto name = std::find(arguments.begin(), arguments.end(), command->get_name());
+  return name == arguments.end() || name + 1 == arguments.end() ? "" : *(name + 1);
+}
+
 const CLI::Option* option_named(const CLI::App* command, const std::string& name) {
   for (; command != nullptr; command = command->get_parent())
     if (const CLI::Option* option = command->get_option_no_throw(name)) return option;
@@ -194,6 +202,8 @@ const CLI::Option* option_named(const CLI::App* command, const std::string& name
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
   const CLI::App* command = command_of(app);
   const std::string text = error.what();
+  if (const std::string word = word_after(command, app, argc, argv); !word.empty() && !is_flag(word))
+    return unknown_name_message("command", word, subcommands_of(command));
   if (const std::string unknown = first_unknown(app, error, argc, argv); !unknown.empty()) {
     if (is_flag(unknown)) return unknown_flag(command, unknown);
     if (const auto names = subcommands_of(command); !names.empty())

@@ -151,6 +151,9 @@ Job RunFlags::job(const std::string& scene, Outside outside, std::optional<doubl
       !job.eye.track.empty() || eye_.texts().empty(),
       "expected an eye track beside --eye-latency, --eye-noise, --eye-seed and --eye-predict; give --eye-track, or [eye] track in the scene");
   follow_eye_track(job);
+  if (is_mesh_file(scene) && (trace_.has("columns") || trace_.has("rows")))
+    job.warnings.emplace_back(
+        "--columns and --rows are rays of the trace, not pixels of the panel; give another panel by --slm");
   if (camera_.has("eye")) aim_at_eye_of_camera(job);
   const double open = shutter ? *shutter : shutter_of(job).seconds_at(job.animate.fps);
   job = scene_.opened(std::move(job), open, scene, outside);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "holotrace/data/job.h"
+#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
@@ -67,10 +68,17 @@ RenderParams render_params(Job job, const nb::dict& given) {
   return choose_missing(std::move(job), Goal::waves).render;
 }
 
+// The observer of a stage that traces a scene, which hears of one without light.
+const Observer& tracing(const Job& job, const Observer& observer) {
+  if (!has_light(job.scene)) observer.warn(no_light);
+  return observer;
+}
+
 Image render_scene(const Job& job, const nb::dict& given, Watch& watch) {
   const RenderParams params = render_params(job, given);
-  return watch.run("render",
-                   [&](const Observer& observer) { return make_picture(job, params, PictureUse::radiance, observer); });
+  return watch.run("render", [&](const Observer& observer) {
+    return make_picture(job, params, PictureUse::radiance, tracing(job, observer));
+  });
 }
 
 // Left and right.
@@ -80,7 +88,7 @@ std::vector<Image> render_pair(const Job& job, const nb::dict& given, Watch& wat
   std::vector<Image> pair;
   for (size_t i = 0; i < eyes.size(); ++i)
     pair.push_back(watch.run(i == 0 ? "left eye" : "right eye", [&](const Observer& observer) {
-      return make_picture(job, eyes[i], PictureUse::radiance, observer);
+      return make_picture(job, eyes[i], PictureUse::radiance, tracing(job, observer));
     }));
   return pair;
 }
@@ -89,7 +97,7 @@ FocalStack trace_stack(const Job& job, const std::vector<double>& distances, con
   RenderParams params = job.render;
   set_params(given, params);
   return watch.run("focal stack", [&](const Observer& observer) {
-    return make_focal_stack(job, distances, params, PictureUse::radiance, observer);
+    return make_focal_stack(job, distances, params, PictureUse::radiance, tracing(job, observer));
   });
 }
 
@@ -98,7 +106,7 @@ std::vector<Sources> trace_sources(const Job& given_job, const nb::dict& given, 
   set_params(given, job.trace);
   job = choose_missing(std::move(job), Goal::waves);
   return watch.run("trace", [&](const Observer& observer) {
-    return trace(job.scene, job.slm.grid, job.wavelengths, job.trace, observer);
+    return trace(job.scene, job.slm.grid, job.wavelengths, job.trace, tracing(job, observer));
   });
 }
 
@@ -108,7 +116,7 @@ std::vector<Field> fields_of_scene(const Job& given_job, const nb::dict& given, 
   set_params(given, job.synthesize);
   job = choose_missing(std::move(job), Goal::waves);
   return watch.run("trace", [&](const Observer& observer) {
-    const SceneLight light = trace_light(job, observer);
+    const SceneLight light = trace_light(job, tracing(job, observer));
     return fields_of_frame(light, frame, job.slm.grid, job.synthesize, watch.observer("synthesize"));
   });
 }
@@ -121,18 +129,19 @@ void bind_scenes(nb::module_& module) {
   job.def_static(
       "load",
       [](const std::string& path, bool allow_outside, nb::handle time, nb::handle shutter,
-         const std::map<std::string, std::string>& texts) {
+         const std::map<std::string, std::string>& texts, const std::optional<Slm>& slm) {
         std::vector<SceneEdit> edits;
         for (const auto& [key, value] : texts) edits.push_back({key, value});
         const auto at = [&](std::optional<double> t) {
-          return load_job(path, outside_of(allow_outside), {}, "", t, edits);
+          return load_job_for(slm, path, outside_of(allow_outside), {}, t, edits);
         };
         Job opened = at(seconds_of(time));
         const double seconds = shutter_of(shutter, opened).seconds_at(opened.animate.fps);
         const nb::gil_scoped_release release;
         return open_shutter(std::move(opened), seconds, at);
       },
-      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none(), nb::arg("shutter").none(), nb::arg("edits"));
+      nb::arg("path"), nb::arg("allow_outside"), nb::arg("time").none(), nb::arg("shutter").none(), nb::arg("edits"),
+      nb::arg("slm").none());
   job.def_static(
       "make",
       [](const nb::dict& dict, bool allow_outside, nb::handle time, nb::handle shutter) {
@@ -191,6 +200,7 @@ void bind_scenes(nb::module_& module) {
     return nb::make_tuple(j.scene.meshes.size(), triangles, j.scene.points.size(), j.scene.lights.size());
   });
 
+  module.def("is_model", [](const std::string& path) { return is_mesh_file(path); });
   module.def("slm_of_table", [](const nb::dict& dict) {
     SceneArrays none;
     return slm_of_table(to_table(dict, none));

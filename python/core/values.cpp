@@ -1,6 +1,7 @@
 #include "values.h"
 
 #include <cmath>
+#include <string_view>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"
@@ -77,7 +78,11 @@ double to_length(nb::handle value, const char* name, Quantity quantity) {
   const double metres =
       to_quantity(value, name, "a length in metres, or a text with its unit such as \"300 mm\",",
                   [&](const std::string& text) { return value_within(text, range::any, name, quantity); });
-  constexpr double longest = 10;  // of a bare number: 300 is meant to be 300 mm
+  // Of a bare number: 300 is meant to be 300 mm, and a pupil of 3 to be 3 mm.
+  const std::string_view of = name;
+  const bool is_size = of == "pupil" || of == "eyebox" || of == "eye_separation" || of == "width" || of == "height" ||
+                       of == "pixel" || of == "focal_length";
+  const double longest = is_size ? 1 : 10;
   require(is_text(value) || quantity == Quantity::wavelength || std::abs(metres) <= longest || !std::isfinite(metres),
           "expected metres for \"{0}\", got {1:g}; write \"{1:g} mm\", or \"{1:g} m\" if you mean it", name, metres);
   return metres;

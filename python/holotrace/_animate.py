@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
 
-import numpy as np
-
 from . import _core
+from ._checked import items
 from ._encode import Run, run
 from ._fields import Path
 from ._images import Image
@@ -15,9 +14,10 @@ from ._parameters import takes
 from ._progress import Progress
 from ._scenes import Scene, load_scene
 from ._units import Time
+from ._views import Views
 
-#: What moves: a scene file or a model, the tables of a scene with keys over time, or a function that gives the scene at a time [s].
-Moving = Union[Path, Mapping[str, Any], Callable[[float], Scene]]
+#: What moves: a scene file or a model, the tables of a scene with keys over time, or a function that gives the scene, or its tables, at a time [s].
+Moving = Union[Path, Mapping[str, Any], Callable[[float], Union[Scene, Mapping[str, Any]]]]
 
 
 def _at(moving: Moving, allow_outside: bool) -> Callable[[Any, Any], Scene]:
@@ -36,10 +36,12 @@ def _at(moving: Moving, allow_outside: bool) -> Callable[[Any, Any], Scene]:
 
     def still_at(time: float) -> Scene:
         scene = function(time)
+        if isinstance(scene, Mapping):
+            return Scene(scene, allow_outside=allow_outside, time=time)
         if not isinstance(scene, Scene):
-            raise _core.Error(f"expected a Scene at {time} s, got {type(scene).__name__}")
+            raise _core.Error(f"expected a Scene, or its tables, at {time:g} s, got {type(scene).__name__}")
         scene = scene.copy()
-        scene._core.move_eye(0.0 if time is None else time)
+        scene._core.move_eye(time)
         return scene
 
     def scene_at(time: Any, shutter: Any) -> Scene:
@@ -94,10 +96,16 @@ def animate(
     return runs()
 
 
-def save_film(path: Path, images: Sequence[Image], *, fps: float = 25, white: float = 1) -> None:
+def save_film(path: Path, images: Sequence[Union[Image, Views]], *, fps: float = 25, white: float = 1) -> None:
     """Write pictures as a film: .webp, .gif, or, with the program ffmpeg, .mp4 and .webm.
 
     ``white`` is the value that is shown as white. Pictures wider than 960 pixels are averaged down to that.
+    Of `Views` it takes the picture at the first distance.
     """
-    cores = [(one if isinstance(one, Image) else Image(np.asarray(one)))._core for one in images]
+    cores = []
+    for one in items(images, "pictures of a film"):
+        if isinstance(one, (list, tuple)) and len(one) > 0 and isinstance(one[0], Image):
+            raise _core.Error("expected one picture for each moment of the film, got a list of views; take the first, run.views[0]")
+        picture = one.image if isinstance(one, Views) else one
+        cores.append((picture if isinstance(picture, Image) else Image(picture))._core)
     _core.save_film(os.fspath(path), cores, float(fps), float(white))

@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from . import _core
-from ._arrays import is_array
+from ._arrays import array_of
 from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Hologram
@@ -51,8 +51,11 @@ def _encode(
     before = _cores_of(last)
     if count(frames, "frames", least=1) != 1 and not isinstance(target, FocalStack):
         raise _core.Error("expected frames only with a focal stack; leave it out")
-    if wavelength is not None and is_array(target) and not isinstance(target, Noun):
-        target = Image(target)
+    if isinstance(target, (str, os.PathLike)):
+        raise _core.Error(f"expected a field, a picture or a focal stack to encode, got a path; read it with ht.load_image({os.fspath(target)!r})")
+    fields = isinstance(target, (list, tuple)) and any(isinstance(one, Noun) for one in target)
+    if wavelength is not None and not isinstance(target, Noun) and not fields:
+        target = Image(array_of(target, "a target picture"))
     with watching(progress, level=5) as watch:
         if isinstance(target, (Image, FocalStack)):
             kind = "picture" if isinstance(target, Image) else "focal stack"
@@ -129,7 +132,7 @@ def _text_of(name: str, value: Any) -> str:
 
 @takes("panel_image")
 def save_panel_images(
-    holograms: Sequence[Hologram],
+    holograms: Union[Hologram, Sequence[Hologram]],
     path: Path,
     *,
     lut: Optional[Path] = None,
@@ -143,7 +146,7 @@ def save_panel_images(
     """
     if isinstance(params.get("turn"), int):
         params["turn"] = str(params["turn"])
-    cores = [a(Hologram, one, "to save") for one in holograms]
+    cores = [a(Hologram, one, "to save") for one in ([holograms] if isinstance(holograms, Hologram) else holograms)]
     files = {"lut": lut, "correction": correction}
     names = {name: os.fspath(file) for name, file in files.items() if file is not None}
     done = {name: _text_of(name, value) for name, value in params.items()}

@@ -11,7 +11,7 @@ from . import _core, _picture
 from ._arrays import complex_samples, real_numbers
 from ._checked import count, items, text
 from ._noun import ArrayNoun, Noun
-from ._units import Length, Lengths, format_length
+from ._units import Length, Lengths, check_metres, format_length
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -252,6 +252,7 @@ class Sources(Noun):
         places = real_numbers(positions, "positions", np.float64)
         if places.ndim != 2:
             raise _core.Error(f"expected positions of the shape (n, 3), got {places.shape}")
+        check_metres(places, "positions")
         count = len(places)
         each = [
             np.full(count, given, np.float32) if given.size == 1 else given

@@ -33,9 +33,10 @@ class Image(ArrayNoun):
     def __init__(self, pixels: Any, pitch: Length = 0.0) -> None:
         given = array_of(pixels, "an image")
         if given.dtype.kind != "f":
+            floats = "np.abs(array)**2" if given.dtype.kind == "c" else "array.astype(float)"
             raise _core.Error(
-                f"expected floating-point linear light for an image, got {given.dtype}; load_image reads and decodes"
-                " picture files"
+                f"expected floating-point linear light for an image, got {given.dtype}; give {floats}, or read a picture file,"
+                " whose codes are not linear, with ht.load_image(path)"
             )
         if given.ndim not in (2, 3):
             raise _core.Error(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
@@ -16,8 +17,8 @@ from ._holograms import Slm
 from ._images import FocalStack, Image
 from ._noun import Noun
 from ._parameters import refuse, takes
-from ._progress import Progress, watching
-from ._units import Length, Lengths, Time, format_length
+from ._progress import Progress, ResultWarning, watching
+from ._units import Length, Lengths, Time, check_metres, format_length
 from ._waves import Panel, a, panel
 
 STAGES = ("trace", "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye")
@@ -42,6 +43,7 @@ def _mesh(entry: Mapping[str, Any]) -> Dict[str, Any]:
 
 def _points(entry: Mapping[str, Any]) -> Dict[str, Any]:
     places = _rows(real_numbers(entry["points"], "points", np.float64), "points", np.float64)
+    check_metres(places, "points")
     arrays: Dict[str, Any] = {"positions": places}
     for key, default in (("amplitudes", 1.0), ("phases", 0.0)):
         given = real_numbers(entry.get(key, default), key).ravel()
@@ -113,6 +115,8 @@ class Scene(Noun):
         shutter: Optional[Time] = None,
         **more: Any,
     ) -> None:
+        if isinstance(tables, (str, os.PathLike)):
+            raise _core.Error(f"expected the tables of a scene, got a path; read it with ht.load_scene({os.fspath(tables)!r})")
         given = {**table(tables, "Scene"), **more}
         slm = given.get("slm")
         if isinstance(slm, (Slm, str, os.PathLike)):
@@ -150,12 +154,26 @@ class Scene(Noun):
     def replace(
         self, *, wavelength: Optional[Lengths] = None, slm: Optional[Panel] = None, **stages: Mapping[str, Any]
     ) -> "Scene":
-        """A scene of the same geometry with other values: ``scene.replace(trace={"paths": 16}, slm="gaea")``."""
+        """A scene of the same geometry with other values: ``scene.replace(trace={"paths": 16}, slm="gaea")``.
+
+        A model keeps the size and place that it has for its first panel, which is a warning; ``load_scene(path, slm=...)``
+        places it anew.
+        """
         other = self.copy()
         if wavelength is not None:
             other._core.wavelengths = wavelength
         if slm is not None:
-            other._core.slm = panel(slm)._core
+            before, other._core.slm = self.slm, panel(slm)._core
+            now = other.slm
+            if "model" in self.facts and (now.columns * now.pitch, now.rows * now.pitch) != (
+                before.columns * before.pitch, before.rows * before.pitch
+            ):
+                warnings.warn(
+                    "the model stays where it was placed for the panel before, and may not fit this one; to place it anew, "
+                    "use ht.load_scene(path, slm=...)",
+                    ResultWarning,
+                    stacklevel=2,
+                )
         for stage, params in stages.items():
             other._core.set(stage, table(params, stage))
         return other
@@ -172,6 +190,12 @@ class Scene(Noun):
 def load_scene(
     path: Path,
     *,
+    slm: Optional[Panel] = None,
+    up: Optional[str] = None,
+    rotation: Optional[str] = None,
+    fit: Optional[float] = None,
+    floor: Optional[str] = None,
+    model_distance: Optional[Length] = None,
     allow_outside: bool = False,
     time: Optional[Time] = None,
     shutter: Optional[Time] = None,
@@ -179,13 +203,25 @@ def load_scene(
 ) -> Scene:
     """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it.
 
+    ``slm``: panel in place of that of the file; models are placed to fill its view (None: ``"pluto"``). For models: ``up``, the
+    axis that is up in the file; ``rotation``, such as ``"y 30 deg"``; ``fit``, the part of the view that it fills; ``floor``,
+    "round" or "none"; ``model_distance``, from the panel to its middle.
+
     ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
     animations of models are read; None: that of the file, or 0. ``shutter``: as for `Scene`; None: that of the file. ``edits``: values in
-    place of those of the file, by their tables and keys and the numbers of lists from 1:
-    ``{"object.2.position": "0 0 -300 mm"}``; for a model ``rotation``, ``fit``, ``up``, ``floor`` and ``model_distance``.
+    place of those of the file, by their tables and keys and the numbers of lists from 1: ``{"object.2.position": "0 0 -300 mm"}``.
     """
-    texts = {key: value if isinstance(value, str) else json.dumps(value) for key, value in (edits or {}).items()}
-    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time, shutter, texts))
+    if isinstance(model_distance, (int, float)):
+        model_distance = f"{_core.length(model_distance, 'model_distance')} m"
+    placed = {"up": up, "rotation": rotation, "fit": fit, "floor": floor, "model_distance": model_distance}
+    given = {key: value for key, value in placed.items() if value is not None}
+    if given and not _core.is_model(os.fspath(path)):
+        raise _core.Error(f"expected {next(iter(given))} with a model, got the scene {path}; place its objects by edits")
+    given.update(edits or {})
+    texts = {key: value if isinstance(value, str) else json.dumps(value) for key, value in given.items()}
+    device = None if slm is None else panel(slm)._core
+    facts = {"model": os.fspath(path)} if _core.is_model(os.fspath(path)) else None
+    return Scene._of(_core.Job.load(os.fspath(path), allow_outside, time, shutter, texts, device), facts)
 
 
 @takes("render", without=("focal_stack", "eye_separation"), of_scene=True)

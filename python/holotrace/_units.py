@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Sequence, Union
+from typing import Any, Sequence, Union
+
+import numpy as np
+
+from . import _core
 
 #: A length in metres, or a text with its unit: 8e-6, "8 um", "300 mm".
 Length = Union[float, str]
@@ -13,6 +17,15 @@ Lengths = Union[float, str, Sequence[Union[float, str]]]
 Angle = Union[float, str]
 #: A time in seconds, or a text with its unit: 0.5, "40 ms".
 Time = Union[float, str]
+
+
+def check_metres(values: np.ndarray[Any, Any], name: str) -> None:
+    """Bare numbers above 10 m are meant in another unit: 300 is 300 mm."""
+    farthest = float(np.abs(values).max(initial=0.0))
+    if 10 < farthest < float("inf"):
+        raise _core.Error(
+            f'expected metres for "{name}", got {farthest:g}, more than 10 m from the panel; for millimetres give {name} * 1e-3'
+        )
 
 
 def format_length(metres: float) -> str:

@@ -15,19 +15,28 @@ from ._parameters import refuse, takes
 from ._progress import Progress, watching
 from ._units import Length, Lengths
 
-#: A panel: an Slm, or the name of a preset or a file.
-Panel = Union[Slm, Path]
+#: A panel: an Slm, the name of a preset or a file, or a dict with the keys of a scene's ``[slm]``, such as
+#: ``{"preset": "pluto", "columns": 480, "rows": 270}``.
+Panel = Union[Slm, Path, Mapping[str, Any]]
 
 
 def panel(given: Panel) -> Slm:
     """The panel itself."""
-    return given if isinstance(given, Slm) else Slm(given)
+    if isinstance(given, Slm):
+        return given
+    if isinstance(given, Mapping):
+        return Slm._of(_core.slm_of_table({"preset": "pluto", **given}))
+    if not isinstance(given, (str, os.PathLike)):
+        raise _core.Error(f"expected a panel: an Slm, its name, a file or a dict, got {type(given).__name__}")
+    return Slm(given)
 
 
 def a(kind: Type[Noun], given: Any, what: str) -> Any:
     """The core of a noun. A wrong kind is an error that says what was expected."""
     if isinstance(given, kind):
         return given._core
+    if isinstance(given, Mapping) and kind.__name__ == "Scene":
+        raise _core.Error(f"expected a Scene {what}, got {type(given).__name__}; make one with ht.Scene(tables)")
     is_array = kind is Field and not isinstance(given, Noun)
     hint = "; make one with ht.Field(array, pitch=..., wavelength=...)" if is_array else ""
     if isinstance(given, (str, os.PathLike)) and kind.__name__ in ("Scene", "Hologram", "Field", "Image"):

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "holotrace/run/stage.h"
 
 namespace holotrace::test {
@@ -45,6 +48,24 @@ TEST(RepeatedStages, FactsAreThoseOfAll) {
   EXPECT_EQ(all.warnings, std::vector<std::string>{"some waves are outside"});
   ASSERT_EQ(all.curves.size(), 1u);
   EXPECT_EQ(all.curves[0].second, std::vector<double>{0});
+}
+
+// The sentence about an eye beside the eyebox differs from colour to colour in its numbers.
+TEST(RepeatedStages, WarningsThatDifferInNumbersAreHeardOnce) {
+  Report report;
+  std::vector<std::string> heard;
+  const StageObserver watch = [&](const std::string&) {
+    Observer observer;
+    observer.on_warning = [&](const std::string& sentence) { heard.push_back(sentence); };
+    return observer;
+  };
+  RepeatedStages repeat(3, 1, 3, report, watch);
+  for (const char* sentence : {"at most 16.6 mm", "at most 14 mm", "at least 14 mm"})
+    repeat("look", [&](const Observer& o) {
+      o.warn(sentence);
+      return true;
+    });
+  EXPECT_EQ(heard, (std::vector<std::string>{"look: at most 16.6 mm", "look: at least 14 mm"}));
 }
 
 }  // namespace

@@ -299,6 +299,30 @@ TEST(Session, LeavesOutFarImagesFromItsDepths) {
   EXPECT_NEAR(depths[1], 0.2396, 1e-9);
 }
 
+TEST(Session, TracesASceneForThePanelThatIsGiven) {
+  const std::string path = make_file("scene.toml", R"(wavelength = "532 nm"
+background = 1
+[slm]
+columns = 64
+rows = 48
+[trace]
+columns = 8
+rows = 8
+paths = 1
+[[object]]
+type = "quad"
+width = "0.2 mm"
+height = "0.2 mm"
+position = "0 0 -30 mm"
+)");
+  const std::string panel = make_file("panel.toml", "columns = 80\nrows = 60\npitch = \"6 um\"\n");
+  Session session({path}, {.slm = panel});
+  const Json json = Json::parse(session.describe());
+  EXPECT_EQ(json["problems"], Json::array());
+  EXPECT_EQ(json["panel"]["columns"], 80);
+  EXPECT_DOUBLE_EQ(json["panel"]["pitch_m"], 6e-6);
+}
+
 TEST(Session, TracesASceneAndItsRenderAtTheSameFocus) {
   const std::string path = make_file("scene.toml", R"(wavelength = "532 nm"
 [slm]

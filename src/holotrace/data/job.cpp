@@ -78,6 +78,12 @@ bool has_colours(const Scene& scene) {
              [&](const Mesh& mesh) { return any(mesh.colours, [](Vec3 colour) { return is_coloured(colour); }); });
 }
 
+bool has_light(const Scene& scene) {
+  const auto emits = [](const Material& material) { return length(material.emission) > 0; };
+  return !scene.lights.empty() || !scene.points.empty() || scene.environment || length(scene.background) > 0 ||
+         std::any_of(scene.materials.begin(), scene.materials.end(), emits);
+}
+
 std::vector<double> wavelengths_for(const Scene& scene) {
   using namespace literals;
   if (has_colours(scene)) return {638_nm, 532_nm, 450_nm};

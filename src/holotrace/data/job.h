@@ -63,6 +63,12 @@ SceneExposure exposure_of(const Job& job);
 /// surroundings. Channels that differ by up to 3 % of the brightest one are grey.
 bool has_colours(const Scene& scene);
 
+/// Whether anything in a scene sends out light: a lamp, a point, a material, the background or the environment.
+bool has_light(const Scene& scene);
+
+/// What is said of a scene without light.
+inline constexpr const char* no_light = "the scene has no light: add [[light]], a material's emission, or a background";
+
 /// The wavelengths for a scene where none are given [m]: lasers at 638, 532 and 450 nm if it has colours, else 532 nm.
 std::vector<double> wavelengths_for(const Scene& scene);
 

@@ -341,6 +341,7 @@ Json describe_file(const std::string& path, Outside outside) {
   if (is_folder(path)) return describe_run(path);
   check_file_exists(path, "a file");
   const std::string extension = extension_of(path);
+  if (is_panel_file(path)) return describe_slm(load_slm(path));
   if (extension == ".toml") return describe(load_job(path, outside));
   if (extension == ".ply") return describe_ply(path, outside);
   if (is_mesh_file(path)) return describe(load_meshes(path, outside));

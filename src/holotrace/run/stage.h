@@ -44,8 +44,8 @@ auto run_stage(const std::string& name, Report& report, const StageObserver& wat
 
 /// The stages that every hologram of a run passes, at every illumination state of its light. With one hologram and one
 /// state they are ordinary stages. With more, a caller sees one stage "N holograms" (or "N illumination states") with
-/// the progress of all. The report has one entry per name: the total seconds, the facts of all (merge_fact), the curves
-/// of the first, and each warning once.
+/// the progress of all. It hears each warning once, also where holograms or colours differ in its numbers. The report has one
+/// entry per name: the total seconds, the facts of all (merge_fact), the curves of the first, and each warning once.
 class RepeatedStages {
  public:
   /// @param holograms  number of holograms
@@ -94,9 +94,14 @@ class RepeatedStages {
     Observer observer;
     observer.on_progress = [this](double fraction) { caller_.progress((double(done_) + fraction) / double(calls_)); };
     observer.on_warning = [this, name](const std::string& sentence) {
-      if (told_.insert(sentence).second) caller_.warn(name + ": " + sentence);
+      if (told_.insert(without_numbers(sentence)).second) caller_.warn(name + ": " + sentence);
     };
     return observer;
+  }
+
+  static std::string without_numbers(std::string sentence) {
+    std::erase_if(sentence, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+    return sentence;
   }
 
   bool is_repeated() const { return holograms_ * states_ > 1; }

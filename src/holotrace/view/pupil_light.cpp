@@ -190,6 +190,9 @@ PlacedField light_in_pupil(const PlacedField& light, const Slm& slm, const Propa
                            const CameraParams& camera, const Observer& observer, bool returns) {
   check_eye(camera);
   const Field& shown = light.head();
+  if (camera.pupil == 0 && length(camera.eye) > 0)
+    observer.warn(
+        "the eye has no effect without a pupil; give its diameter, such as --pupil \"3 mm\" (pupil=\"3 mm\")");
   if (camera.pupil == 0 && !shown.filter) return light;
   PupilPath path{shown.filter};
   if (camera.pupil > 0) {

@@ -139,7 +139,8 @@ void add_folder(const std::string& folder, const ContentsParams& params, Content
 
 void add_scene(const std::string& path, const ContentsParams& params, Contents& contents) {
   attempt(contents.problems, [&] {
-    const auto job = std::make_shared<const Job>(choose_missing(load_job(path, params.outside), Goal::waves));
+    const auto job =
+        std::make_shared<const Job>(choose_missing(load_job(path, params.outside, {}, params.slm), Goal::waves));
     const SceneLight light = trace_light(*job, watch_stage(params, "trace"));
     for (Field& field : fields_of_frame(light, 0, job->slm.grid, job->synthesize, watch_stage(params, "synthesize")))
       contents.items.push_back(item_of_field("", std::move(field), params));

@@ -381,7 +381,8 @@ TEST(HologramFile, WhatIsNoHologramIsRefused) {
   EXPECT_EQ(
       error_of([&] { load_hologram(coloured); }),
       coloured +
-          ": expected a grey hologram, got a coloured pixel at row 0, column 1; name the channel (--channel red, green or blue)");
+          ": expected a grey hologram, got a coloured pixel at row 0, column 1; name the channel (--channel red, green or blue), or make a "
+          "hologram of a picture with holotrace encode");
   EXPECT_EQ(
       error_of([] { save_hologram("h.jpg", all_levels(2, Modulation::phase)); }),
       "expected a hologram file .png, .bmp, .tif, .npy or .csv, got h.jpg, and a JPEG would change the levels of its pixels; change its "

@@ -132,13 +132,14 @@ TEST(PanelImageFile, LevelTablesOfMakersAreRead) {
   for (const char* text :
        {"0\n512\n4095\n", "0 0\n1 512\n2 4095\n", "grey;voltage\n0;0\n1;512\n2;4095\n", "0\t0\r\n1\t512\r\n2\t4095"})
     EXPECT_EQ(read(text), values) << text;
-  for (const auto& [text, words] : {std::pair{"0 0\n2 5\n", ":2: expected the grey 1, got 2"},
-                                    {"0.5\n", ":1: expected a whole number of 0 to 65535, got 0.5"},
-                                    {"70000\n", ":1: expected a whole number of 0 to 65535, got 70000"},
-                                    {"1 2 3\n", ":1: expected a value, or a grey and its value, got 3 numbers"},
-                                    {",\n", ": expected a level table, got no numbers"},
-                                    {"0\n;;\n", ":2: expected numbers, got \";;\""},
-                                    {"", ": expected a level table, got no numbers"}})
+  for (const auto& [text, words] :
+       {std::pair{"0 0\n2 5\n", ":2: expected the grey 1, got 2; give a line for each grey"},
+        {"0.5\n", ":1: expected a whole number of 0 to 65535, got 0.5"},
+        {"70000\n", ":1: expected a whole number of 0 to 65535, got 70000"},
+        {"1 2 3\n", ":1: expected a value, or a grey and its value, got 3 numbers"},
+        {",\n", ": expected a level table, got no numbers"},
+        {"0\n;;\n", ":2: expected numbers, got \";;\""},
+        {"", ": expected a level table, got no numbers"}})
     EXPECT_NE(error_of([&] { read(text); }).find(words), std::string::npos) << text;
 }
 

@@ -119,7 +119,8 @@ Array2D<uint16_t> levels_of(const StoredLevels& stored, Channel channel, int lev
     if (channel == Channel::grey)
       if (const std::optional<size_t> coloured = first_coloured(values, stored.channels))
         fail(
-            "{}: expected a grey hologram, got a coloured pixel at {}; name the channel (--channel red, green or blue)",
+            "{}: expected a grey hologram, got a coloured pixel at {}; name the channel (--channel red, green or blue), or make a "
+            "hologram of a picture with holotrace encode",
             path, place_of(stored, *coloured));
     const size_t first = channel == Channel::grey ? 0 : size_t(channel) - size_t(Channel::red);
     for (size_t i = 0; i < out.size(); ++i)

@@ -1,5 +1,7 @@
 #include "holotrace/io/picture/chart_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -98,6 +100,11 @@ std::string gnuplot_script(const Chart& chart, const std::string& extension) {
   return script + "plot " + plots + "\n";
 }
 
+// gnuplot is not installed.
+struct NoGnuplot : Error {
+  using Error::Error;
+};
+
 // The last line that is not blank: gnuplot repeats the faulty line before the message.
 std::string last_words(const std::string& messages) {
   std::istringstream lines(messages);
@@ -119,10 +126,11 @@ void save_chart(const std::string& path, const Chart& chart) {
   // Without user settings. It does not write the file itself: it would not report that the disk is full.
   const ProgramRun run =
       run_program({"gnuplot", "--default-settings"}, [&] { return std::exchange(next, std::string_view()); });
-  require(run.start_error.empty(),
-          "expected the program gnuplot to draw {} with, got \"{}\"; install it (Debian: gnuplot-nox), or leave the "
-          "picture out",
-          path, run.start_error);
+  if (!run.start_error.empty())
+    throw NoGnuplot(fmt::format(
+        "expected the program gnuplot to draw {} with, got \"{}\"; install it (Debian: gnuplot-nox), or leave the "
+        "picture out",
+        path, run.start_error));
   require(run.has_succeeded && !run.output.empty(),
           "expected gnuplot to draw {}, got \"{}\"; update gnuplot, or leave the picture out", path,
           last_words(run.messages));
@@ -132,6 +140,7 @@ void save_chart(const std::string& path, const Chart& chart) {
 void try_save_chart(const OutputSet& set, const std::string& name, const Chart& chart, const Observer& observer) {
   try {
     save_chart(set.path(name), chart);
+  } catch (const NoGnuplot&) {
   } catch (const Error& error) {
     observer.warn(set.final_text(error.what()));
   }

@@ -15,8 +15,8 @@ namespace holotrace {
 ///         and, with gnuplot's message, if it fails
 void save_chart(const std::string& path, const Chart& chart);
 
-/// Draws a chart of a set of files that accompanies other results. If it cannot be drawn, for instance because gnuplot is
-/// not installed, the observer is warned.
+/// Draws a chart of a set of files that accompanies other results. Without gnuplot it is left out; if it cannot be drawn for
+/// another reason, the observer is warned.
 void try_save_chart(const OutputSet& set, const std::string& name, const Chart& chart, const Observer& observer);
 
 }  // namespace holotrace

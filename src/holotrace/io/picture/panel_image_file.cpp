@@ -273,8 +273,9 @@ std::vector<uint16_t> load_level_table(const std::string& path) {
   std::vector<uint16_t> table;
   each_line_of_numbers(path, [&](const std::vector<double>& numbers, const std::string& place, bool) {
     require(numbers.size() <= 2, "{}expected a value, or a grey and its value, got {} numbers", place, numbers.size());
-    require(numbers.size() == 1 || numbers[0] == double(table.size()), "{}expected the grey {}, got {}", place,
-            table.size(), numbers[0]);
+    require(numbers.size() == 1 || numbers[0] == double(table.size()),
+            "{}expected the grey {}, got {}; give a line for each grey, such as 256 for 8 bits", place, table.size(),
+            numbers[0]);
     const double value = numbers.back();
     require(value == std::floor(value) && value >= 0 && value <= 65535,
             "{}expected a whole number of 0 to 65535, got {}", place, value);

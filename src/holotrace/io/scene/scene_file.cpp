@@ -134,6 +134,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   check_path_expressions(root, "trace", job.trace.path_expressions);
   check_path_expressions(root, "render", job.render.path_expressions);
   root.locate("", [&] { check_scene(job.scene); });
+  if (!has_light(job.scene)) job.warnings.emplace_back(no_light);
   job.time = root.time()->now;
   job.last_key = root.time()->last;
   if (const auto eye = root.table("eye")) eye->locate("track", [&] { follow_eye_track(job); });
@@ -200,6 +201,12 @@ toml::table read_scene(const std::string& path, std::vector<std::string>& files,
   return base;
 }
 
+// The size of a panel is a key of a panel file; in a scene it is below [slm].
+bool has_keys_of_panel(const toml::table& parsed) {
+  return parsed.contains("columns") && parsed.contains("rows") && !parsed.contains("slm") &&
+         !parsed.contains("wavelength") && !parsed.contains("object");
+}
+
 // The parameters of a model with values of their names.
 ModelParams edited(ModelParams model, const std::vector<SceneEdit>& edits) {
   std::map<std::string, std::string> texts;
@@ -249,18 +256,38 @@ Slm slm_of_table(const toml::table& table) {
 
 Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm,
              std::optional<double> time, const std::vector<SceneEdit>& edits) {
+  check_file_exists(path, is_mesh_file(path) ? "a mesh" : "a scene file");  // before the panel's file
+  return load_job_for(slm.empty() ? std::nullopt : std::optional(load_slm(slm)), path, outside, model, time, edits);
+}
+
+bool is_panel_file(const std::string& path) {
+  if (extension_of(path) != ".toml") return false;
+  std::vector<std::string> files, unheard;
+  const toml::table parsed = read_scene(path, files, unheard);
+  return has_keys_of_panel(parsed);
+}
+
+Job load_job_for(const std::optional<Slm>& slm, const std::string& path, Outside outside, const ModelParams& model,
+                 std::optional<double> time, const std::vector<SceneEdit>& edits) {
   if (is_mesh_file(path))
-    return job_for_model(path, load_slm(slm.empty() ? "pluto" : slm), edited(model, edits), outside, time.value_or(0));
+    return job_for_model(path, slm ? *slm : load_slm("pluto"), edited(model, edits), outside, time.value_or(0));
   check_file_exists(path, "a scene file");
   require(extension_of(path) == ".toml" || (is_text_file(path) && extension_of(path) != ".json"),
           "{}: expected a scene .toml or a model such as .obj or .glb, got {}", path, kind_of_file(path));
   std::vector<std::string> files, warnings;
-  toml::table parsed = read_scene(path, files, warnings);
+  toml::table parsed;
+  try {
+    parsed = read_scene(path, files, warnings);
+  } catch (const Error& error) {
+    if (extension_of(path) == ".toml") throw;
+    fail("expected a scene .toml or a model such as .obj or .glb; {}", error.what());
+  }
+  require(!has_keys_of_panel(parsed), "{0}: expected a scene or a model, got a panel file; name it by --slm {0}", path);
   apply_edits(edits, parsed, files);
   TomlTable root(parsed, files, "the scene file");
   Job job = read_job(root, path, outside, time);
   job.warnings.insert(job.warnings.begin(), warnings.begin(), warnings.end());
-  if (!slm.empty()) job.slm = load_slm(slm);
+  if (slm) job.slm = *slm;
   return job;
 }
 

@@ -28,6 +28,14 @@ Job load_job(const std::string& path, Outside outside = Outside::refused, const 
              const std::string& slm = "", std::optional<double> time = std::nullopt,
              const std::vector<SceneEdit>& edits = {});
 
+/// As load_job, with the panel itself; nothing: the scene's, or `pluto` for a file of meshes.
+Job load_job_for(const std::optional<Slm>& slm, const std::string& path, Outside outside = Outside::refused,
+                 const ModelParams& model = {}, std::optional<double> time = std::nullopt,
+                 const std::vector<SceneEdit>& edits = {});
+
+/// Whether a file is a panel file: the keys of [slm] without a table. @throws Error for invalid TOML
+bool is_panel_file(const std::string& path);
+
 /// Values of a scene file or a model that load_job takes as edits, with their texts (editable_values).
 std::vector<SceneValue> load_editable_values(const std::string& path);
 

@@ -268,6 +268,11 @@ std::string TomlTable::length_text(const char* key, const toml::node& node, Quan
                           is_time ? "0.5 s" : length_example(key))
                   .c_str(),
               node);
+  constexpr double longest = 10;  // of a number without a unit: 300 is meant to be 300 mm
+  const auto number = arrays_ && quantity == Quantity::length ? to_number(node) : std::nullopt;
+  if (number && std::abs(*number) > longest)
+    fail("{0}expected metres for \"{1}\", got {2:g}; write \"{2:g} mm\", or \"{2:g} m\" if you mean it",
+         place(node.source()), key, *number);
   return *text;
 }
 
@@ -370,7 +375,8 @@ std::optional<TomlTable> TomlTable::table(const char* key, const char* example) 
   const toml::node* node = find_value(key);
   if (!node) return std::nullopt;
   if (!node->is_table())
-    fail_kind(key, fmt::format("a table headed [{}], with {} below it,", key, example).c_str(), *node);
+    fail_kind(key, arrays_ ? "a dict" : fmt::format("a table headed [{}], with {} below it,", key, example).c_str(),
+              *node);
   return inner(*node->as_table(), fmt::format("[{}]", key));
 }
 
@@ -378,10 +384,11 @@ std::vector<TomlTable> TomlTable::tables(const char* key) {
   std::vector<TomlTable> found;
   const toml::node* node = find_value(key);
   if (!node) return found;
+  const char* expected = arrays_ ? "a list of dicts, [{...}, ...]," : "tables headed [[…]]";
   const toml::array* items = node->as_array();
-  if (!items) fail_kind(key, "tables headed [[…]]", *node);
+  if (!items) fail_kind(key, expected, *node);
   for (const toml::node& item : *items) {
-    if (!item.is_table()) fail_kind(key, "tables headed [[…]]", item);
+    if (!item.is_table()) fail_kind(key, expected, item);
     found.push_back(inner(*item.as_table(), fmt::format("[[{}]]", key)));
   }
   return found;

@@ -102,8 +102,15 @@ std::vector<TargetPlane> targets_of_picture(const Image& light, const Grid& pane
           light.channels);
   require(light.nx == size.columns && light.ny == size.rows,
           "expected a target picture of {} × {} pixels, as target_columns and target_rows or the panel say, got {} × "
-          "{}; give its size by those, or resample it (--resample true)",
+          "{}; give its size by those, or resample it (--resample true, in Python resample=True)",
           size.columns, size.rows, light.nx, light.ny);
+  for (int j = 0; j < light.ny; ++j)
+    for (int i = 0; i < light.nx; ++i)
+      require(
+          !(light(j, i) < 0),
+          "expected light of 0 or more in a target picture, got {:g} at row {}, column {}; give the light itself, not an "
+          "amplitude with a sign",
+          light(j, i), j, i);
   TargetPlane target{0, wavelength, Array2D<float>(panel.ny, panel.nx), weight_of(panel, size)};
   const int left = (panel.nx - size.columns) / 2, top = (panel.ny - size.rows) / 2;
   for (int j = 0; j < size.rows; ++j)

@@ -230,7 +230,13 @@ TEST(GerchbergSaxton, SaysWhatIsWrong) {
   params.effects = {};
   EXPECT_EQ(error_of([&] { targets_of_picture(Image(5, 8, 1), slm.grid, test_wavelength, params); }),
             "expected a target picture of 8 × 6 pixels, as target_columns and target_rows or the panel say, got 8 × 5; "
-            "give its size by those, or resample it (--resample true)");
+            "give its size by those, or resample it (--resample true, in Python resample=True)");
+  Image signed_light(6, 8, 1);
+  signed_light(4, 7) = -0.5F;
+  EXPECT_NE(error_of([&] {
+              targets_of_picture(signed_light, slm.grid, test_wavelength, params);
+            }).find("expected light of 0 or more in a target picture, got -0.5 at row 4, column 7"),
+            std::string::npos);
 }
 
 // A colour or a slice without light is not an error: the others are shown.
