@@ -5,7 +5,7 @@ Usage: run_commands.py PROGRAM [PAGE…]
 
 Each page has a folder of its own, in which its blocks run in their order, so that a block finds what an earlier one
 wrote. It has a small stand-in for each file that a reader brings (INPUTS). Panels have 1440 x 144 pixels, and each
-example scene has few rays (SMALLER). A ```toml or ```csv block whose first line is "# NAME.toml" (or .csv) becomes that file. Marks behind
+example scene has few rays (SMALLER). A ```toml or ```text block whose first line is "# NAME.toml" (or .csv) becomes that file. Marks behind
 ```sh:
 
   long     takes minutes: each command is started, and ended after one second of processor time; a wrong flag or a
@@ -153,7 +153,7 @@ def find_numpy():
 def run_block(block, folder, environment, numpy):
     """Exit code and output; None where there is nothing to run."""
     language, marks = (block.words or [""])[0], block.words[1:]
-    if language == "csv":
+    if language == "text":
         name = re.match(r"# (\w+\.csv)\n", block.text)
         if name:
             (folder / name.group(1)).write_text(block.text)
