@@ -57,7 +57,6 @@ INPUTS = {
 # Commands of minutes or gigabytes in the words of the page, and the same in small.
 SHORTER = [
     (r'--width "56 mm" --height "14 mm"', '--width "14 mm" --height "2 mm"'),
-    (r"--iterations 20 --device", "--iterations 2 --device"),
     (r'--times "0.2, 0.4 s" --quality', '--times "0.2 s" --quality'),
     (r"run MODEL.glb", "run MODEL.glb --planes 1 --iterations 1"),
     (r"animate MODEL.glb", "animate MODEL.glb --planes 1 --iterations 1"),
