@@ -77,6 +77,7 @@ TEST(Commands, ABlackRenderIsExplained) {
   work.write("aside.toml", scene_head(small_panel, "") + quad + "position = \"90 0 -32 mm\"\n");
   EXPECT_EQ(
       work.run({"render", "dark.toml", "-o", "r.png"}).err,
+      "warning: scene: the scene has no light: add [[light]], a material's emission, or a background\n"
       "warning: render: the picture is black: every first hit is dark; add lights, emission or a background to the "
       "scene\n");
   EXPECT_NE(work.run({"render", "aside.toml", "-o", "r.png"}).err.find("no ray met a surface"), std::string::npos);

@@ -196,10 +196,9 @@ TEST(Trace, ScenesUnseenOrDarkAreWarnedOf) {
   Record bumpy_glass;
   trace(scene, traced_panel, green_light, params, bumpy_glass.observer);
   ASSERT_FALSE(bumpy_glass.warnings.empty());
-  EXPECT_EQ(
-      bumpy_glass.warnings[0],
-      "caustics of point, spot and directional lights through mirrors or glass with a normal map are left out; use "
-      "rectangle lights, or remove the normal map");
+  EXPECT_EQ(bumpy_glass.warnings[0],
+            "caustics of point, spot and directional lights through mirrors or glass with a normal map or an opacity "
+            "below 1 are left out; use rectangle lights, or remove the map");
 }
 
 // A point of radiance L is a patch of λd/W by λd/H: its solid angle is λ²/(W·H) at any depth.

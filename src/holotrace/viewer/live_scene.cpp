@@ -14,7 +14,6 @@
 #include "holotrace/run/encode_job.h"
 #include "holotrace/run/scene_light.h"
 #include "holotrace/run/scene_targets.h"
-#include "holotrace/slm/encode/encode.h"
 
 namespace holotrace {
 namespace {
@@ -49,6 +48,7 @@ Job aimed_at_waves(Job job, const CameraParams& camera) {
   if (encode.method != Encoding::automatic && !traits_of(encode.method).is_pointwise)
     encode.method = Encoding::automatic;
   encode.target = EncodeTarget::field;
+  encode.is_joint = false;
   encode.quality = Quality::automatic;
   encode.eye.clear();
   return choose_missing(std::move(job), Goal::waves);
@@ -141,10 +141,11 @@ std::shared_ptr<const Contents> LiveScene::of_waves(Job job, const CameraParams&
   for (const Sources& set : light.sources) waves += set.waves.size();
   contents->made_of = fmt::format("{}{} waves", is_draft ? "draft of " : "", waves);
   for (int frame = 0; frame < job.trace.frames; ++frame) {
-    std::vector<Hologram> holograms;
-    for (const Field& field : fields_of_frame(light, uint32_t(frame), job.slm.grid, job.synthesize, observer))
-      holograms.push_back(encode(field, job.slm, job.encode, observer));
-    add_holograms_of(std::move(holograms), job, camera_, *contents);
+    const EncodeJob encoding =
+        job_of_fields(fields_of_frame(light, uint32_t(frame), job.slm.grid, job.synthesize, observer), job.encode);
+    Report report;
+    add_holograms_of(encode_job(encoding, 1, job.slm, job.encode, report, [&](const std::string&) { return observer; }),
+                     job, camera_, *contents);
   }
   contents->points = points_in_space(light.sources);
   contents->job = std::make_shared<const Job>(std::move(job));

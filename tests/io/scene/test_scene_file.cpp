@@ -255,7 +255,7 @@ TEST(SceneFile, PointsOfAFileStandWhereScaleAndDistancePutThem) {
 
 TEST(SceneFile, WarningsOfModelsReachTheJob) {
   const std::string file = test::data_file("pump.glb");
-  const Job job = load("wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
+  const Job job = load("wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
                        "'\nfit = \"20 mm\"\nposition = \"0 0 -300 mm\"\n");
   EXPECT_EQ(job.warnings, (std::vector<std::string>{file + ": cameras are ignored"}));
   for (const Mesh& mesh : job.scene.meshes) EXPECT_LT(size_t(mesh.material), job.scene.materials.size());
