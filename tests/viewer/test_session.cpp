@@ -311,8 +311,8 @@ rows = 8
 paths = 1
 [[object]]
 type = "quad"
-width = "0.2 mm"
-height = "0.2 mm"
+width = "2 mm"
+height = "2 mm"
 position = "0 0 -30 mm"
 )");
   const std::string panel = make_file("panel.toml", "columns = 80\nrows = 60\npitch = \"6 um\"\n");
