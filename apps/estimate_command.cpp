@@ -95,8 +95,8 @@ void print_film(const FilmEstimate& film, double refresh, double cores_here) {
   line("data", format_bytes(film.bytes_per_second()) + "/s", "to the panel");
   fmt::print("\nThe film in real time\n");
   line("Eq. 17, each time afresh", fmt::format("{:.3g} rays/s", film.rays_per_second), "F N (1 + l_avg)");
-  line("Eq. 17, with reuse", fmt::format("{:.3g} rays/s", film.new_rays_per_second), "of the times that are traced");
-  line("waves x pixels", fmt::format("{:.3g}/s", film.waves_pixels_per_second), "of the times that are summed");
+  line("Eq. 17, with reuse", fmt::format("{:.3g} rays/s", film.new_rays_per_second), "times that are traced anew alone");
+  line("waves x pixels", fmt::format("{:.3g}/s", film.waves_pixels_per_second), "times whose waves are summed anew alone");
   line("seconds per time", seconds(film.real.seconds_per_frame), "trace, sum and encode what has changed");
   line("number of such machines", fmt::format("{:.3g}", film.real.times),
        fmt::format("of {:g} threads, if work scales perfectly", cores_here));

@@ -130,6 +130,7 @@ void share_pictures(Scene& scene, const Scene& other) {
     const Material& with = other.materials[i];
     share(own.emission_texture, with.emission_texture);
     share(own.normal_map, with.normal_map);
+    share(own.opacity_texture, with.opacity_texture);
     if (auto* surface = std::get_if<DiffuseMaterial>(&own.surface))
       if (const auto* of_other = std::get_if<DiffuseMaterial>(&with.surface))
         share(surface->texture, of_other->texture);
