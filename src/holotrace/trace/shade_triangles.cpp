@@ -17,6 +17,7 @@
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/path.h"
+#include "holotrace/trace/shared/texture.h"
 #include "holotrace/trace/waves/wave_sets.h"
 
 namespace holotrace {
@@ -145,7 +146,17 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   const Ray ray = s.scene.accelerator.from_viewer({eye, normalize(place.z < 0 ? place - eye : eye - place)});
   const double distance = length(place - ray.origin);
   ++counts.rays;
-  const auto hit = s.scene.accelerator.closest_hit(ray);
+  auto hit = s.scene.accelerator.closest_hit(ray);
+  const Mesh* mesh = piece.mesh < s.scene.scene.meshes.size() ? &s.scene.scene.meshes[piece.mesh] : nullptr;
+  const bool is_veil = mesh && !is_opaque(s.scene.scene.materials[size_t(mesh->material)]);
+  if (is_veil) {                     // it shines by the part of its opacity: what is drawn are the veils before it
+    constexpr double before = 1e-4;  // of the distance
+    ++counts.shadow_rays;
+    if (s.scene.accelerator.is_occluded(ray, distance * (1 - before))) return std::nullopt;
+    const Vec3 start = ray.origin + ray.direction * (distance * (1 - before));
+    hit = s.scene.accelerator.closest_hit({start, ray.direction}, Aim::exact, {Veils::Kind::met});
+    if (hit) hit->distance += distance * (1 - before);
+  }
   if (!hit) return std::nullopt;
   const bool is_own = hit->point.mesh == piece.mesh && hit->point.triangle == piece.triangle;
   // Rounding may have found the neighbouring triangle: accept a few times the clearance along the ray.
@@ -156,6 +167,8 @@ std::optional<LeafLight> light_at(const Shade& s, const Piece& piece, Vec3 place
   LeafLight light;
   light.radiance.resize(size_t(s.scene.sums()));
   mean_radiance(s.scene, start, s.params.paths, sample, light.radiance, counts);
+  if (is_veil)
+    for (auto& radiance : light.radiance) radiance *= opacity_at(material, hit->point.uv);
   return light;
 }
 

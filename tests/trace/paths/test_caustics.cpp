@@ -340,6 +340,55 @@ TEST(Caustics, AreHiddenByWhatIsInTheWay) {
   }
 }
 
+// A veil of opacity o, between the lamp and a ball or between the ball and the plate, takes the part o of its light: each place draws
+// it, 4·√(o(1 − o)/n) of the light with n places.
+TEST(Caustics, AreDimmedByVeils) {
+  constexpr int n = 50;
+  Scene scene = make_plate(DielectricMaterial{.index = constant_index(1.5)});
+  scene.meshes.push_back(make_ball({0, 0, plate_z - 15_mm}, 5_mm, 60));
+  scene.lights = {PointLight{{0, 0, plate_z - 45_mm}, {1, 1, 1}}};
+  const double whole = Plate(scene, "EDSSL").power(3_mm, n);
+  for (const double opacity : {0.2, 0.8})
+    for (const double depth : {30_mm, 5_mm}) {
+      Scene veiled = scene;
+      Material veil = grey(0);
+      veil.opacity = opacity;
+      veiled.materials.push_back(veil);
+      veiled.meshes.push_back(make_wall(plate_z - depth, 20_mm, 20_mm, 2));
+      EXPECT_NEAR(Plate(veiled, "EDSSL").power(3_mm, n) / whole, 1 - opacity,
+                  4 * std::sqrt(opacity * (1 - opacity)) / n)
+          << depth;
+    }
+}
+
+// A plate that is itself a veil, before a black wall: it receives all the light, and shines by what it stops.
+TEST(Caustics, LightVeilsBeforeOtherSurfaces) {
+  const auto light_on = [](double opacity) {
+    Scene scene = make_plate(DielectricMaterial{.index = constant_index(1.5)});
+    scene.materials[0].opacity = opacity;
+    scene.materials.push_back(grey(0));
+    scene.meshes.push_back(make_ball({0, 0, plate_z - 15_mm}, 5_mm, 60));
+    scene.meshes.push_back(make_wall(plate_z + 8_mm, 20_mm, 20_mm, 2));
+    scene.lights = {PointLight{{0, 0, plate_z - 45_mm}, {1, 1, 1}}};
+    const PathScene path_scene(scene, Lines{}, {"EDSSL"}, {});
+    double sum = 0;
+    for (int i = 0; i < 64; ++i) {
+      SurfacePoint point;
+      point.position = {0.02_mm * (i % 8), 0.02_mm * (i / 8), plate_z};
+      point.geometric_normal = point.normal = {0, 0, -1};
+      point.clearance = 1e-9;
+      const PathStart start{point, {0, 0, -1}, path_scene.automaton.start(), 1};
+      Vec3 light;
+      PathCounts counts;
+      mean_radiance(path_scene, start, 1, uint64_t(i), {&light, 1}, counts);
+      sum += light.y;
+    }
+    return sum;
+  };
+  // At the same places the same ways are found, to the rounding of Newton's method.
+  EXPECT_NEAR(light_on(0.5) / light_on(1), 1, 1e-3);
+}
+
 // The same ball, and a lamp of 3 mm × 3 mm that paths meet by chance, against 36 small lamps on it.
 TEST(Caustics, AgreeWithPathsThatMeetALampByChance) {
   constexpr double side = 3_mm, a = 30_mm, b = 15_mm;
@@ -606,6 +655,21 @@ TEST(CausticsOfRectangles, AreTheLightThatPathsFind) {
     expect_same_light(make_cap_and_lamp(6_mm, is_visible), to_plate(1_mm, 2_mm), "E.*L", {},
                       {is_visible ? 1500 : 200, is_visible ? 30000 : 6000});
   }
+}
+
+// Each path draws whether the veil lets it pass: 4·√(o/(1 − o)/n) of what is left with n paths that find the lamp, here measured.
+TEST(CausticsOfRectangles, AreDimmedByVeils) {
+  const Scene scene = make_ball_and_lamp(6_mm, true);
+  const Statistics whole = radiance_on(scene, to_plate(1.5_mm, 0), "E.*L", {}, 120);
+  Scene veiled = scene;
+  Material veil = grey(0);
+  veil.opacity = 0.5;
+  veiled.materials.push_back(veil);
+  veiled.meshes.push_back(make_wall(plate_z - 30_mm, 20_mm, 20_mm, 2));
+  const Statistics dimmed = radiance_on(veiled, to_plate(1.5_mm, 0), "E.*L", {}, 120);
+  const double error = 4 * std::hypot(dimmed.standard_error(), 0.5 * whole.standard_error());
+  EXPECT_LT(error, 0.06 * whole.mean());
+  EXPECT_NEAR(dimmed.mean(), 0.5 * whole.mean(), error);
 }
 
 TEST(CausticsOfRectangles, AreTheLightThatPathsFindOneByOne) {

@@ -128,12 +128,13 @@ struct Accelerator::Implementation {
   }
 
   /// Whether a surface lets a ray through where the ray meets it.
-  bool lets_through(const Ray& ray, const GridHit& found) const {
+  bool lets_through(const Ray& ray, const GridHit& found, Veils veils) const {
     const Surface& surface = surfaces[found.mesh];
     if (!surface.has_openings) return false;
     const Vec2 uv = surface.is_textured ? coordinates_in(*surface.mesh, found) : Vec2{};
     const double opacity = opacity_at(scene.materials[size_t(surface.material)], uv);
     if (opacity <= 0 || opacity >= 1) return opacity <= 0;
+    if (veils.kind != Veils::Kind::drawn) return veils.kind == Veils::Kind::passed && found.mesh != veils.but;
     uint64_t bits = mix(uint64_t(found.mesh) << 32 | found.triangle);
     for (const double number :
          {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z})
@@ -146,8 +147,10 @@ struct Accelerator::Implementation {
     const Implementation* scene = nullptr;  // nullptr: all surfaces stop rays
     const Ray* ray = nullptr;
     const RayLanes* rays = nullptr;  // of several
+    Veils veils;
 
-    Query(const Implementation& of, const Ray* one, const RayLanes* several) : ray(one), rays(several) {
+    Query(const Implementation& of, const Ray* one, const RayLanes* several, Veils v = {})
+        : ray(one), rays(several), veils(v) {
       rtcInitIntersectContext(this);
       if (of.has_openings) scene = &of;
     }
@@ -161,18 +164,18 @@ struct Accelerator::Implementation {
         const Ray ray = query.ray ? *query.ray : Ray{query.rays->origin[number], query.rays->direction[number]};
         const GridHit hit{0, RTCHitN_geomID(found->hit, found->N, i), RTCHitN_primID(found->hit, found->N, i),
                           double(RTCHitN_u(found->hit, found->N, i)), double(RTCHitN_v(found->hit, found->N, i))};
-        if (query.scene->lets_through(ray, hit)) found->valid[i] = 0;
+        if (query.scene->lets_through(ray, hit, query.veils)) found->valid[i] = 0;
       }
     }
   };
 
   /// The first surface of the grid that stops a ray before a distance.
-  bool first_in_grid(const Ray& ray, double distance, GridHit& found) const {
+  bool first_in_grid(const Ray& ray, double distance, Veils veils, GridHit& found) const {
     double passed = 0;
     for (Ray rest = ray;; rest.origin = ray.origin + ray.direction * passed) {
       if (!grid->closest_hit(rest, distance - passed, found)) return false;
       found.distance += passed;
-      if (!lets_through(ray, found)) return true;
+      if (!lets_through(ray, found, veils)) return true;
       constexpr double grazing = 0.01;  // cosine below which a ray leaves a surface by less than its clearance
       const TrianglePlane& plane = surfaces[found.mesh].planes[found.triangle];
       passed = found.distance + double(plane.clearance) / std::max(std::abs(dot(plane.normal, ray.direction)), grazing);
@@ -393,17 +396,17 @@ Accelerator::Accelerator(Accelerator&&) noexcept = default;
 
 const Scene& Accelerator::scene() const { return implementation_->scene; }
 
-std::optional<Hit> Accelerator::closest_hit(const Ray& ray, Aim aim) const {
+std::optional<Hit> Accelerator::closest_hit(const Ray& ray, Aim aim, Veils veils) const {
   std::optional<Hit> hit(std::in_place);
-  if (!closest_hit(ray, *hit, aim)) hit.reset();
+  if (!closest_hit(ray, *hit, aim, veils)) hit.reset();
   return hit;
 }
 
-bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
+bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim, Veils veils) const {
   const Implementation& self = *implementation_;
   if (self.grid) {
     GridHit found;
-    if (!self.first_in_grid(ray, std::numeric_limits<double>::infinity(), found)) return false;
+    if (!self.first_in_grid(ray, std::numeric_limits<double>::infinity(), veils, found)) return false;
     self.describe(ray, found, hit);
     return true;
   }
@@ -413,7 +416,7 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim) const {
   if (log_) write_down(query.ray, false, aim, *log_);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  Implementation::Query context(self, &ray, nullptr);
+  Implementation::Query context(self, &ray, nullptr, veils);
   rtcIntersect1(self.tree_for(aim), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   const double distance = (skipped + double(query.ray.tfar)) * self.precision.unit;
@@ -444,21 +447,23 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
     if (!packet.valid[i] || found.geomID[i] == RTC_INVALID_GEOMETRY_ID) return false;
     const double distance = (packet.skipped[i] + double(query.tfar[i])) * precision_.unit;
     const GridHit at{distance, found.geomID[i], found.primID[i], double(found.u[i]), double(found.v[i])};
-    if (are_few && self.lets_through(ray(i), at)) return closest_hit(ray(i), hits[i], aim);
+    if (are_few && self.lets_through(ray(i), at, {})) return closest_hit(ray(i), hits[i], aim);
     self.describe(ray(i), at, hits[i]);
     return true;
   });
 }
 
-bool Accelerator::is_occluded(Vec3 from, Vec3 to) const {
+bool Accelerator::has_openings() const { return implementation_->has_openings; }
+
+bool Accelerator::is_occluded(Vec3 from, Vec3 to, Veils veils) const {
   const double distance = length(to - from);
-  return distance > 0 && is_occluded({from, (to - from) / distance}, distance);
+  return distance > 0 && is_occluded({from, (to - from) / distance}, distance, Aim::exact, veils);
 }
 
-bool Accelerator::is_hidden(Vec3 place, Vec3 point) const {
-  if (front_ == 0 || place.z != 0) return is_occluded(place, point);
+bool Accelerator::is_hidden(Vec3 place, Vec3 point, Veils veils) const {
+  if (front_ == 0 || place.z != 0) return is_occluded(place, point, veils);
   const Vec3 way = normalize(point.z < 0 ? point - place : place - point);
-  return is_occluded(from_viewer({place, way}).origin, point);
+  return is_occluded(from_viewer({place, way}).origin, point, veils);
 }
 
 double Accelerator::rounding_at_end(const Ray& ray, double distance) const {
@@ -468,19 +473,19 @@ double Accelerator::rounding_at_end(const Ray& ray, double distance) const {
   return end_rounding * std::sqrt(std::max(std::max(dot(end, end), from_start), precision_.unit * precision_.unit));
 }
 
-bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim) const {
+bool Accelerator::is_occluded(const Ray& ray, double distance, Aim aim, Veils veils) const {
   const Implementation& self = *implementation_;
   const double end = distance - rounding_at_end(ray, distance);
   if (!(end > 0)) return false;
   if (self.grid) {
     GridHit found;
-    return self.has_openings ? self.first_in_grid(ray, end, found) : self.grid->is_occluded(ray, end);
+    return self.has_openings ? self.first_in_grid(ray, end, veils, found) : self.grid->is_occluded(ray, end);
   }
   RTCRay query;
   double skipped;
   if (!self.watertight || !self.enter(ray, end, query, skipped)) return false;
   if (log_) write_down(query, true, aim, *log_);
-  Implementation::Query context(self, &ray, nullptr);
+  Implementation::Query context(self, &ray, nullptr, veils);
   rtcOccluded1(self.tree_for(aim), &context, &query);
   return query.tfar < 0;
 }

@@ -28,6 +28,18 @@ enum class Aim {
   random,  ///< drawn from a continuous density: one in a million may pass between two triangles; faster
 };
 
+/// What surfaces with an opacity between 0 and 1 do to a ray.
+struct Veils {
+  enum class Kind {
+    drawn,   ///< stop it with the probability of their opacity
+    passed,  ///< let it pass, for ways whose light was drawn before, or is drawn on the way found
+    met      ///< stop it
+  };
+  static constexpr uint32_t no_mesh = ~0U;
+  Kind kind = Kind::drawn;
+  uint32_t but = no_mesh;  ///< passed: those of this mesh stop it
+};
+
 /// A ray as passed to Embree: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
   float origin[3], direction[3], length;
@@ -60,17 +72,17 @@ class Accelerator {
   const Scene& scene() const;
 
   /// The first surface on the ray, if there is one.
-  std::optional<Hit> closest_hit(const Ray& ray, Aim aim = Aim::exact) const;
+  std::optional<Hit> closest_hit(const Ray& ray, Aim aim = Aim::exact, Veils veils = {}) const;
 
   /// The same into `hit`, which is overwritten completely. Returns false and leaves `hit` unchanged if there is none.
-  bool closest_hit(const Ray& ray, Hit& hit, Aim aim = Aim::exact) const;
+  bool closest_hit(const Ray& ray, Hit& hit, Aim aim = Aim::exact, Veils veils = {}) const;
 
   /// Whether a surface lies between two places [m]; one within the rounding of `to` does not count.
-  bool is_occluded(Vec3 from, Vec3 to) const;
+  bool is_occluded(Vec3 from, Vec3 to, Veils veils = {}) const;
 
   /// Whether a surface lies on the ray before a distance [m], which may be infinite; one within the rounding of its
   /// end does not count.
-  bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact) const;
+  bool is_occluded(const Ray& ray, double distance, Aim aim = Aim::exact, Veils veils = {}) const;
 
   /// A ray through a place on the panel as a viewer looks along it: it starts in front of all meshes, also of those between
   /// the panel and the viewer. Rays that start elsewhere stay as they are.
@@ -82,7 +94,10 @@ class Accelerator {
 
   /// Whether a surface hides a point from a viewer who looks at it through a place on the panel. The point may be in front of the
   /// panel.
-  bool is_hidden(Vec3 place, Vec3 point) const;
+  bool is_hidden(Vec3 place, Vec3 point, Veils veils = {}) const;
+
+  /// Whether any surface has an opacity below 1 somewhere.
+  bool has_openings() const;
 
   /// closest_hit for several rays: bit i of the result is 1 if bit i of `asked` is and there is a surface on ray i, which is
   /// written to hits[i].

@@ -12,6 +12,7 @@
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/path.h"
 #include "holotrace/trace/paths/path_scene.h"
+#include "holotrace/trace/shared/texture.h"
 
 namespace holotrace {
 
@@ -25,35 +26,54 @@ constexpr std::array<Vec2, 4> corners{Vec2{-1, -1}, Vec2{1, -1}, Vec2{1, 1}, Vec
 struct Landing {
   LightWay way;
   std::optional<Vec3> place;  // of a surface that scatters; none: beyond all surfaces
+  std::vector<Vec3> veils;    // places that it lights before, of surfaces that let a part of it pass
 };
 
-/// The first surface on a ray that is no lamp: lamps hide light of some places of other lamps, and perhaps not of all.
-std::optional<Hit> closest_hit_behind_lamps(const PathScene& scene, Ray ray) {
+/// Whether a surface may let rays pass that its shape stops, so that it is no part of a chain.
+bool is_veil(const Material& material, const SurfacePoint& point) {
+  return !is_opaque(material) && opacity_at(material, point.uv) < 1;
+}
+
+/// The first surface on a ray that is neither a lamp nor a veil, which hide light of some places and perhaps not of all. Calls
+/// at_veil(hit) for each veil before it.
+template <class AtVeil>
+std::optional<Hit> closest_hit_behind_lamps(const PathScene& scene, Ray ray, const AtVeil& at_veil) {
   const Accelerator& accelerator = scene.accelerator;
   // Each lamp is passed once; rounding may show one again.
-  for (size_t lamps = 2 * scene.emitters.lights().size();; --lamps) {
-    const auto hit = accelerator.closest_hit(ray);
-    if (!hit || hit->point.light < 0) return hit;
-    if (lamps == 0) return std::nullopt;
-    const SurfacePoint& lamp = hit->point;
-    const double cosine = std::max(std::abs(dot(lamp.geometric_normal, ray.direction)), least_light_cosine);
-    ray.origin = lamp.position + ray.direction * (2 * (accelerator.lift_of(lamp.light) + lamp.clearance) / cosine);
+  for (size_t lamps = 2 * scene.emitters.lights().size();;) {
+    const auto hit = accelerator.closest_hit(ray, Aim::exact, {Veils::Kind::met});
+    if (!hit) return hit;
+    const SurfacePoint& point = hit->point;
+    if (point.light < 0) {
+      if (!is_veil(scene.scene.materials[size_t(point.material)], point)) return hit;
+      at_veil(*hit);
+      ray.origin = accelerator.leave(point, ray.direction);
+      continue;
+    }
+    if (lamps-- == 0) return std::nullopt;
+    const double cosine = std::max(std::abs(dot(point.geometric_normal, ray.direction)), least_light_cosine);
+    ray.origin = point.position + ray.direction * (2 * (accelerator.lift_of(point.light) + point.clearance) / cosine);
   }
 }
 
 /// Follows all branches of a ray of a lamp. Calls land(landing) where one reaches a surface that scatters, or leaves.
 template <class Land>
 void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& is_cut, const Land& land) {
-  const auto hit = closest_hit_behind_lamps(scene, way.ray);
+  std::vector<Vec3> veils;
+  const auto hit =
+      closest_hit_behind_lamps(scene, way.ray, [&](const Hit& veil) { veils.push_back(veil.point.position); });
   if (!hit) {
-    if (!way.chain.empty()) land({way, std::nullopt});
+    if (way.chain.empty()) return;
+    std::optional<Vec3> last;
+    if (!veils.empty()) last = veils.back();
+    land({way, last, std::move(veils)});
     return;
   }
   const Material& material = scene.scene.materials[size_t(hit->point.material)];
   const SurfacePoint point = shading_point(material, hit->point);
   const Bsdf bsdf = make_bsdf(material, point, scene.lines);
   const LobeSet lobes = lobes_of(bsdf);
-  if (!way.chain.empty() && (lobes.has_diffuse || lobes.has_glossy)) land({way, point.position});
+  if (!way.chain.empty() && (lobes.has_diffuse || lobes.has_glossy)) land({way, point.position, veils});
   if (!acts_as_its_mesh(material)) return;
   const SpecularBranches branches = specular_branches(bsdf, -way.ray.direction);
   for (int i = 0; i < branches.count; ++i) {
@@ -347,6 +367,7 @@ class BundleMaker {
         lit.include(*alike[i]->place);
         const auto guess = first_guess(bundle, *alike[i]->place, {});
         error = std::max(error, guess ? std::min(largest(*guess - places[i]), most_error) : most_error);
+        for (const Vec3& veil : alike[i]->veils) lit.include(veil);
       } else {
         // Beyond the edge of a mirror, lens or lit surface, by first order.
         const Vec2 p = places[i] - bundle.known;

@@ -103,9 +103,10 @@ double density_from(const Ray& ray, std::span<const SpecularVertex> chain, const
 }
 
 /// Calls add(light, chain) for each light of caustic_light.
+/// @param veils  drawn, or passed: the density of a way is that before they are drawn
 template <class Add>
 void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by, int most_surfaces, bool with_phase,
-                PathCounts& counts, const Add& add) {
+                Veils::Kind veils, PathCounts& counts, const Add& add) {
   const Light& light = scene.emitters.lights()[lit_by.light];
   const LampBundles& lamp = scene.caustics.lamps[lit_by.light];
   const Vec3 place = at.position;
@@ -145,7 +146,12 @@ void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by
     const double rounding = 8 * (at.clearance + from_last.clearance) / std::max(cosine, least_light_cosine);
     ++counts.shadow_rays;
     const Ray back{scene.accelerator.leave(at, -end->direction), -end->direction};
-    if (scene.accelerator.is_occluded(back, last - rounding)) return;
+    if (scene.accelerator.is_occluded(back, last - rounding, Aim::exact, {veils}) ||
+        (veils == Veils::Kind::drawn && !passes_veils(scene, from, ray, way))) {
+      // Other bundles that show the same ray must not draw the veils again.
+      if (scene.accelerator.has_openings()) arrivals.push_back(std::move(*arrival));
+      return;
+    }
     CausticLight one{back.direction, way.weight, 1, int(way.chain.size()), 0, end->index, {}};
     if (rectangle) {
       const double share = max_component(way.weight);
@@ -172,7 +178,7 @@ void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by
 std::vector<CausticLight> caustic_light(const PathScene& scene, const SurfacePoint& place, LampPlace lit_by,
                                         int most_surfaces, bool with_phase, PathCounts& counts) {
   std::vector<CausticLight> found;
-  find_light(scene, place, lit_by, most_surfaces, with_phase, counts,
+  find_light(scene, place, lit_by, most_surfaces, with_phase, Veils::Kind::drawn, counts,
              [&](const CausticLight& light, const std::vector<SpecularVertex>&) { found.push_back(light); });
   return found;
 }
@@ -182,7 +188,7 @@ double caustic_pdf(const PathScene& scene, const SurfacePoint& place, Vec3 direc
   const auto& lamp = std::get<RectangleLight>(scene.emitters.lights()[met.light]);
   const Vec3 normal = normalize(cross(lamp.edge_u, lamp.edge_v));
   double nearest = std::numeric_limits<double>::infinity(), pdf = 0;
-  find_light(scene, place, met, most_surfaces, false, counts,
+  find_light(scene, place, met, most_surfaces, false, Veils::Kind::passed, counts,
              [&](const CausticLight& light, const std::vector<SpecularVertex>& chain) {
                if (light.surfaces != surfaces) return;
                const auto end = retrace(reverse(chain), {place.position, direction}, met.start, normal);

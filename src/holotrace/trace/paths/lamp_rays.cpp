@@ -89,7 +89,7 @@ std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& fr
   way.chain.reserve(model.size());
   for (const SpecularVertex& vertex : model) {
     ++counts.rays;
-    const auto hit = scene.accelerator.closest_hit(way.ray);
+    const auto hit = scene.accelerator.closest_hit(way.ray, Aim::exact, {Veils::Kind::passed});
     if (!hit || hit->point.light >= 0 || hit->point.mesh != vertex.point.mesh) return std::nullopt;
     const Material& material = scene.scene.materials[size_t(hit->point.material)];
     const SurfacePoint point = shading_point(material, hit->point);
@@ -102,6 +102,19 @@ std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& fr
     deflect(scene, way, point, *same);
   }
   return way;
+}
+
+bool passes_veils(const PathScene& scene, const LampOrigin& from, const Ray& ray, const LightWay& way) {
+  if (!scene.accelerator.has_openings()) return true;
+  const auto start = leave_lamp(scene, from, ray);
+  Vec3 place = start->origin;
+  for (size_t k = 0; k < way.chain.size(); ++k) {
+    const SurfacePoint& point = way.chain[k].point;
+    if (scene.accelerator.is_occluded(place, point.position)) return false;
+    if (k + 1 < way.chain.size())
+      place = scene.accelerator.leave(point, way.chain[k + 1].point.position - point.position);
+  }
+  return true;
 }
 
 bool is_same_way(const std::vector<SpecularVertex>& a, const std::vector<SpecularVertex>& b) {

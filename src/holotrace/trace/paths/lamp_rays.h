@@ -71,9 +71,12 @@ std::optional<Ray> leave_lamp(const PathScene& scene, const LampOrigin& from, co
 /// Sends light on by a branch of a surface that it has met.
 void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, const BsdfSample& branch);
 
-/// Follows a ray of a lamp by the same reflections and refractions on the same meshes as those of a chain.
+/// Follows a ray of a lamp by the same reflections and refractions on the same meshes as those of a chain. Veils (Veils) let it pass.
 std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& from, const Ray& ray,
                                     const std::vector<SpecularVertex>& model, PathCounts& counts);
+
+/// Draws whether the veils before the last surface of the chain of a ray let its light pass.
+bool passes_veils(const PathScene& scene, const LampOrigin& from, const Ray& ray, const LightWay& way);
 
 /// Whether two chains have the same meshes, and reflections and refractions.
 bool is_same_way(const std::vector<SpecularVertex>& a, const std::vector<SpecularVertex>& b);

@@ -118,11 +118,18 @@ struct Walk {
     }
   }
 
+  /// Another ray passes the veils that the guide passed, whose light was drawn then, and meets those that the guide met.
+  Veils veils_before(int depth) const {
+    if (!guide) return {};
+    const auto n = size_t(depth) - 1;
+    return {Veils::Kind::passed, n < guide->chain.size() ? guide->chain[n].point.mesh : guide->start.point.mesh};
+  }
+
   /// Follows a ray from the end of the chain of `leaf`, the branch so far.
   void follow(const Ray& ray, double index, const SpecularLeaf& leaf) {
     ++counts.rays;
-    const auto hit = scene.accelerator.closest_hit(ray);
     const int depth = int(leaf.chain.size()) + 1;
+    const auto hit = scene.accelerator.closest_hit(ray, Aim::exact, veils_before(depth));
     SpecularLeaf here = leaf;
     here.start.outgoing = -ray.direction;
     here.start.depth = depth;

@@ -153,8 +153,8 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     const Vec3 way = point.position.z < place.z ? place - point.position : point.position - place;
     if (dot(way, point.geometric_normal) <= 0) return std::nullopt;
     ++counts.shadow_rays;
-    // At grazing angles the surface would hide its own point.
-    if (scene.accelerator.is_hidden(place, scene.accelerator.leave(point))) return std::nullopt;
+    // At grazing angles the surface would hide its own point. Whether veils let the light pass was drawn when the wave was found.
+    if (scene.accelerator.is_hidden(place, scene.accelerator.leave(point), {Veils::Kind::passed})) return std::nullopt;
     if (wave.is_diffuse) return SeenLight{std::nullopt, model.weight};
     leaf = model;
     leaf.start.outgoing = normalize(way);
