@@ -95,8 +95,10 @@ void print_film(const FilmEstimate& film, double refresh, double cores_here) {
   line("data", format_bytes(film.bytes_per_second()) + "/s", "to the panel");
   fmt::print("\nThe film in real time\n");
   line("Eq. 17, each time afresh", fmt::format("{:.3g} rays/s", film.rays_per_second), "F N (1 + l_avg)");
-  line("Eq. 17, with reuse", fmt::format("{:.3g} rays/s", film.new_rays_per_second), "times that are traced anew alone");
-  line("waves x pixels", fmt::format("{:.3g}/s", film.waves_pixels_per_second), "times whose waves are summed anew alone");
+  line("Eq. 17, with reuse", fmt::format("{:.3g} rays/s", film.new_rays_per_second),
+       "only the times that are traced again");
+  line("waves x pixels", fmt::format("{:.3g}/s", film.waves_pixels_per_second),
+       "only the times whose waves are summed again");
   line("seconds per time", seconds(film.real.seconds_per_frame), "trace, sum and encode what has changed");
   line("number of such machines", fmt::format("{:.3g}", film.real.times),
        fmt::format("of {:g} threads, if work scales perfectly", cores_here));
@@ -148,10 +150,10 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
                          o->scene_flags.seconds(), o->scene_flags.scene_edits());
     o->film.apply(job.animate);
     if (fps->count() > 0) job.animate.fps = o->frames_per_second;
-    const bool has_film = job.last_key || o->film.has("seconds") || o->film.has("times");
+    const bool has_film = last_change(job) || o->film.has("seconds") || o->film.has("times");
     std::optional<FilmCounts> counts;
     if (has_film) {
-      const std::vector<double> times = times_of(job.animate, job.last_key);
+      const std::vector<double> times = times_of(job.animate, last_change(job));
       counts = count_film_times(times, job_at, job.animate.from_last);
     }
     const CostAnswer a = answer_about_cost(job, o->frames_per_second, o->has_accelerators);

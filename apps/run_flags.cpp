@@ -145,8 +145,9 @@ Job RunFlags::job(const std::string& scene, Outside outside, std::optional<doubl
   if (seed_) check_flag("--seed", double(*seed_), range::not_negative, Quantity::count);
   if (seed_) job.trace.seed = job.render.seed = job.encode.seed = *seed_;
   eye_.apply(job.eye);
+  if (camera_.has("eye") && eye_.texts().empty()) job.eye.track.clear();  // in place of the scene's
   require(job.eye.track.empty() || !camera_.has("eye"),
-          "expected --eye or an eye track, got both; leave one of them out");
+          "expected --eye or --eye-track, got both; leave one of them out");
   require(
       !job.eye.track.empty() || eye_.texts().empty(),
       "expected an eye track beside --eye-latency, --eye-noise, --eye-seed and --eye-predict; give --eye-track, or [eye] track in the scene");

@@ -159,19 +159,19 @@ void bind_scenes(nb::module_& module) {
       "open_shutter",
       [](const Job& j, double seconds, const nb::callable& at) {
         Job opened = j;
-        if (!opened.last_key) opened.last_key = opened.time + seconds;  // a function moves what it likes
+        if (!last_change(opened)) opened.last_key = opened.time + seconds;  // a function moves what it likes
         return open_shutter(std::move(opened), seconds, [&](double time) { return nb::cast<Job>(at(time)); });
       },
       nb::arg("seconds"), nb::arg("at"));
   job.def_ro("time", &Job::time);
-  job.def_ro("last_key", &Job::last_key);
+  job.def_prop_ro("last_key", [](const Job& j) { return last_change(j); });
   job.def(
       "times",
       [](const Job& j, const nb::dict& given, nb::handle shutter) {
         AnimateParams params = j.animate;
         set_params(given, params);
         const double open = shutter_of(shutter, j).seconds_at(params.fps);
-        return std::tuple(times_of(params, j.last_key), params.from_last,
+        return std::tuple(times_of(params, last_change(j)), params.from_last,
                           params.times.empty() ? std::min(open, 1 / params.fps) : open);
       },
       nb::arg("params"), nb::arg("shutter").none());

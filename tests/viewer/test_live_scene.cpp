@@ -14,10 +14,11 @@ namespace holotrace::test {
 namespace {
 
 // A lit square before black, on a small panel.
-std::string square_scene(const std::string& more = "") {
+std::string square_scene(const std::string& more = "", const std::string& wavelength = "\"532 nm\"") {
   return make_file("square.toml",
-                   "wavelength = \"532 nm\"\n[slm]\ncolumns = 256\nrows = 256\npitch = \"8 um\"\n"
-                   "[camera]\ndistances = \"100 mm\"\n" +
+                   "wavelength = " + wavelength +
+                       "\n[slm]\ncolumns = 256\nrows = 256\npitch = \"8 um\"\n"
+                       "[camera]\ndistances = \"100 mm\"\n" +
                        more +
                        "\n[[light]]\ntype = \"rectangle\"\ncorner = \"-5 -5 5 mm\"\nedge_u = \"0 10 0 mm\"\n"
                        "edge_v = \"10 0 0 mm\"\nradiance = 5\n[[object]]\ntype = \"quad\"\nwidth = \"0.4 mm\"\n"
@@ -87,6 +88,18 @@ TEST(LiveScene, GradesFollowEachOther) {
 
 // Waves that arrive at the eye together, in a hologram of double phases, show a smooth picture: waves of random phases give
 // speckle, whose contrast is near 1. Those that arrive elsewhere leave most of a square of 1.6 mm dark.
+// Joint frames have all colours in one hologram, waves one for each: a choice among three is none among one.
+TEST(LiveScene, AChoiceOfColoursHoldsForEveryGrade) {
+  Session session({square_scene("[encode]\nmethod = \"sgd\"\ntarget = \"render\"\njoint = true\niterations = 2\n",
+                                R"(["638 nm", "532 nm", "450 nm"])")},
+                  {.is_live = true});
+  ViewState state = at("", false);
+  state.shown = {2};
+  EXPECT_TRUE(session.view(state).has_value());
+  EXPECT_TRUE(session.improve(state));
+  EXPECT_TRUE(session.view(state).has_value());
+}
+
 TEST(LiveScene, AnEyeSeesNoSpeckle) {
   const std::vector<SceneEdit> large{{"object.1.width", "1.6 mm"}, {"object.1.height", "1.6 mm"}};
   Session session({square_scene("[trace]\ncolumns = 200\nrows = 200\nfield_of_view = \"0.6 deg\"\n")},

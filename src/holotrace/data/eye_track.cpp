@@ -1,6 +1,5 @@
 #include "holotrace/data/eye_track.h"
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -13,9 +12,10 @@
 namespace holotrace {
 namespace {
 
-// Three normal numbers of mean 0 and variance 1, by the method of Box and Muller.
+// Three normal numbers of mean 0 and variance 1, by the method of Box and Muller. The same measurement is reached by different
+// sums of times, which agree to less than a nanosecond.
 Vec3 normal_numbers(int64_t seed, double time) {
-  CounterRandom random(uint64_t(seed), 0, std::bit_cast<uint64_t>(time + 0.0));  // −0 + 0 = 0
+  CounterRandom random(uint64_t(seed), 0, uint64_t(std::llround(time * 1e9)));
   const auto normal = [&] {
     const double radius = std::sqrt(-2 * std::log(1 - random.uniform()));
     return radius * std::cos(2 * std::numbers::pi * random.uniform());
@@ -41,7 +41,7 @@ Vec3 place_at(const EyeTrack& track, double time) {
 
 TrackedEye tracked_eye(const EyeTrack& track, const EyeParams& params, double time) {
   check_ranges(params);
-  TrackedEye eye{place_at(track, time), measured_at(track, params, time - params.latency), {}};
+  TrackedEye eye{place_at(track, time), measured_at(track, params, time - params.latency), {}, track.times.back()};
   eye.unpredicted = eye.measured;
   if (params.is_predicted && params.latency > 0)
     eye.measured = eye.measured * 2 - measured_at(track, params, time - 2 * params.latency);

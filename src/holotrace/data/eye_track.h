@@ -22,9 +22,10 @@ struct TrackedEye {
   Vec3 place;        ///< e(t), where the eye is
   Vec3 measured;     ///< where the hologram takes it to be
   Vec3 unpredicted;  ///< the same without a prediction
+  double end = 0;    ///< of the track [s]
 
-  /// Whether the hologram is made for another place than that of the eye.
-  bool is_off() const { return !(measured == place); }
+  /// Whether the hologram is made for another place than that of the eye, beyond the rounding of times.
+  bool is_off() const { return length(measured - place) > 1e-9; }
 };
 
 /// The eye at a time t, which is measured with the latency L and noise n of the standard deviation σ along each axis:
@@ -32,7 +33,7 @@ struct TrackedEye {
 ///     m(t) = e(t) + σ·n(t),   measured = m(t − L),   predicted = 2·m(t − L) − m(t − 2L)
 ///
 /// A straight walk at the speed v is measured v·L behind the eye, and predicted without an error; an accelerated one is predicted
-/// a·L² behind. The noise of a prediction is √5·σ. n depends on the seed and on the time of the measurement alone.
+/// a·L² behind. The noise of a prediction is √5·σ. n depends on the seed and on the time of the measurement alone, to a nanosecond.
 /// @throws Error  for parameters outside their ranges, and for a measured eye that is not in front of the panel
 TrackedEye tracked_eye(const EyeTrack& track, const EyeParams& params, double time);
 

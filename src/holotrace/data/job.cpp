@@ -10,6 +10,7 @@
 
 #include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/members.h"
 #include "holotrace/data/spectrum.h"
@@ -115,6 +116,11 @@ Shutter parse_shutter(std::string_view text) {
   return shutter;
 }
 
+std::optional<double> last_change(const Job& job) {
+  if (!job.tracked) return job.last_key;
+  return std::max(job.last_key.value_or(job.tracked->end), job.tracked->end);
+}
+
 namespace {
 
 // Lets a picture be the one of another scene if both are equal.
@@ -143,11 +149,21 @@ void share_pictures(Scene& scene, const Scene& other) {
   if (scene.environment && other.environment) share(scene.environment->map, other.environment->map);
 }
 
+double bytes_of(const Scene& scene) {
+  double bytes = 0;
+  for (const Mesh& mesh : scene.meshes)
+    bytes += double(mesh.positions.size() * sizeof(Vec3) + mesh.normals.size() * sizeof(Vec3) +
+                    mesh.colours.size() * sizeof(Vec3) + mesh.texture_coordinates.size() * sizeof(Vec2) +
+                    mesh.triangles.size() * sizeof(mesh.triangles[0]));
+  return bytes;
+}
+
 }  // namespace
 
 Job open_shutter(Job job, double seconds, const std::function<Job(double time)>& at) {
   require(seconds >= 0 && std::isfinite(seconds), "expected a shutter of 0 s or more, got {:g} s", seconds);
-  if (seconds == 0 || !job.last_key) return job;
+  if (seconds == 0 || !last_change(job)) return job;
+  require_memory(shutter_moments * bytes_of(job.scene), "the scenes of an open shutter");
   const uint64_t opened = fingerprint_of(job.scene);
   uint64_t before = 0;
   bool is_moving = false;

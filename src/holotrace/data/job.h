@@ -46,6 +46,9 @@ struct Job {
   std::vector<Chosen> chosen;           ///< what the job does not give, and was chosen for it (run/choose.h)
 };
 
+/// The latest time at which something changes, in the scene or on the track of the eye [s]; nothing for a still.
+std::optional<double> last_change(const Job& job);
+
 /// Moments of an exposure: a motion of that many pixels is smooth, and light paths are shared among them.
 inline constexpr int shutter_moments = 32;
 

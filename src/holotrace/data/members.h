@@ -245,8 +245,8 @@ void members(Archive& archive, Moment& part) {
 }
 template <class Archive>
 void members(Archive& archive, TrackedEye& part) {
-  auto& [place, measured, unpredicted] = part;
-  archive(place, measured, unpredicted);
+  auto& [place, measured, unpredicted, end] = part;
+  archive(place, measured, unpredicted, end);
 }
 template <class Archive>
 void members(Archive& archive, Job& noun) {

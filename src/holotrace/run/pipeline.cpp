@@ -283,7 +283,7 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   RunResults b;
   b.report.seed = job.trace.seed;
   b.report.chosen = job.chosen;
-  if (job.last_key) b.report.time = job.time;
+  if (last_change(job)) b.report.time = job.time;
   const auto stage = [&](const std::string& name, const auto& work) { return run_stage(name, b.report, watch, work); };
   check_job(job);
 

@@ -1,8 +1,10 @@
 #include "holotrace/run/reuse.h"
 
 #include "holotrace/base/archive.h"
+#include "holotrace/base/error.h"
 #include "holotrace/data/members.h"
 #include "holotrace/denoise/denoise.h"
+#include "holotrace/run/scene_targets.h"
 
 namespace holotrace {
 
@@ -13,10 +15,17 @@ EncodeParams encoding_of(const Job& job) {
   return params;
 }
 
+void check_from_last(const Job& job) {
+  require(
+      aims_at_scene(job),
+      "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave it out");
+}
+
 uint64_t cause_of_results(Job job) {
   job.time = 0;
   job.shutter = {};  // its moments are there
   job.last_key.reset();
+  if (job.tracked) job.tracked->end = 0;
   job.animate = {};
   job.eye = {};  // `tracked` has what follows from it
   job.warnings.clear();

@@ -109,7 +109,7 @@ bool SceneLight::is_dark(size_t set) const {
 
 SceneLight trace_light(const Job& job, const Observer& observer) {
   SceneLight light;
-  light.may_be_dark = job.last_key.has_value();
+  light.may_be_dark = last_change(job).has_value();
   if (job.synthesize.method == SynthesisMethod::triangles) {
     light.triangles = shade_triangles(job.scene, job.slm.grid, job.wavelengths, job.trace, job.synthesize.shading,
                                       job.synthesize.triangle_phase, observer);

@@ -123,7 +123,7 @@ double depth_of_scene(const Job& job) {
 std::vector<double> target_distances_of(const Job& job) {
   if (!job.encode.target_distances.empty()) return job.encode.target_distances;
   const std::vector<DepthRange> ranges = ranges_of(job);
-  if (ranges.empty() && job.last_key) return job.camera.distances;  // nothing is in view at this time of a film
+  if (ranges.empty() && last_change(job)) return job.camera.distances;  // nothing is in view at this time of a film
   require(
       !ranges.empty(),
       "expected something in the panel's window, {} wide, for target planes, found nothing; move the scene, or give "

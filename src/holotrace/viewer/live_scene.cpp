@@ -107,7 +107,7 @@ LiveScene::LiveScene(std::string path, const ContentsParams& params) : path_(std
   const Job job = choose_missing(job_with({}));
   camera_ = job.camera;
   values_ = load_editable_values(path_);
-  if (job.last_key) values_.insert(values_.begin(), {{"time", format_time(job.time)}, ""});
+  if (last_change(job)) values_.insert(values_.begin(), {{"time", format_time(job.time)}, ""});
 }
 
 Job LiveScene::job_with(const std::vector<SceneEdit>& edits) const {

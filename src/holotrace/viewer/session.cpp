@@ -235,6 +235,9 @@ std::vector<size_t> Session::chosen(const ViewState& state) const {
   if (items.empty())
     for (size_t i = 0; i < contents_->items.size(); ++i)
       if (!live_ || is_shown(state.shown, i, contents_->items)) items.push_back(i);
+  // A grade of a live scene may have fewer holograms than the one for which they were chosen: joint frames have all colours in one.
+  if (live_ && items.empty())
+    for (size_t i = 0; i < contents_->items.size(); ++i) items.push_back(i);
   require(items.back() < contents_->items.size(), "expected hologram numbers below {}, got {}", contents_->items.size(),
           items.back());
   return state.is_draft ? first_frames(items, contents_->items) : items;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -66,7 +67,7 @@ std::string uri(const std::string& bytes) {
          std::to_string(bytes.size());
 }
 
-std::string draco_bytes() {
+std::string draco_bytes(bool has_colours = false) {
   const std::vector<float> positions = sheet_positions();
   const std::vector<uint32_t> corners = sheet_corners();
   draco::TriangleSoupMeshBuilder builder;
@@ -75,6 +76,12 @@ std::string draco_bytes() {
   for (size_t f = 0; f < corners.size() / 3; ++f)
     builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(uint32_t(f)), &positions[3 * corners[3 * f]],
                                       &positions[3 * corners[3 * f + 1]], &positions[3 * corners[3 * f + 2]]);
+  if (has_colours) {
+    const int colour = builder.AddAttribute(draco::GeometryAttribute::COLOR, 3, draco::DT_UINT8);
+    const std::array<uint8_t, 3> value{128, 51, 255};
+    for (size_t f = 0; f < corners.size() / 3; ++f)
+      builder.SetAttributeValuesForFace(colour, draco::FaceIndex(uint32_t(f)), &value, &value, &value);
+  }
   const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
   draco::Encoder encoder;
   encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
@@ -99,6 +106,21 @@ TEST(GltfCompression, DracoMeshesAreRead) {
   ASSERT_EQ(model.meshes.size(), 1U);
   expect_sheet(model.meshes[0], 3e-4);
   EXPECT_TRUE(model.warnings.empty());
+}
+
+// Encoders often leave it to the accessor to say that bytes are parts of 255.
+TEST(GltfCompression, DracoColoursAreNormalizedWhereTheirAccessorIs) {
+  std::string text = draco_model(draco_bytes(true), R"(0, "COLOR_0": 1)");
+  const auto put = [&](const std::string& before, const std::string& added) {
+    text.insert(text.find(before) + before.size(), added);
+  };
+  put(R"("attributes": {"POSITION": 0)", R"(, "COLOR_0": 2)");
+  put(R"("count": 96, "type": "SCALAR"})",
+      R"(, {"componentType": 5121, "normalized": true, "count": 25, "type": "VEC3"})");
+  const LoadedModel model = load_meshes(make_file("sheet.gltf", text));
+  ASSERT_EQ(model.meshes.at(0).colours.size(), 25U);
+  for (const Vec3& colour : model.meshes[0].colours)
+    EXPECT_LT(length(colour - Vec3{128 / 255.0, 51 / 255.0, 1}), 1e-6);  // single precision
 }
 
 std::string meshopt_positions() {
@@ -156,6 +178,11 @@ TEST(GltfCompression, AFilterOfExponentsIsUndone) {
 
 TEST(GltfCompression, DamagedDataAreErrors) {
   const std::string draco = draco_bytes(), positions = meshopt_positions(), corners = meshopt_corners();
+  // 300 bytes that ask for 8 GB.
+  EXPECT_NE(error_of([&] {
+              load_meshes(make_file("m.gltf", meshopt_model(positions, corners, "", "700000000")));
+            }).find("are damaged"),
+            std::string::npos);
   const auto error = [](const std::string& text) { return error_of([&] { load_meshes(make_file("m.gltf", text)); }); };
   for (const std::string& text :
        {draco_model(draco.substr(0, draco.size() / 2)), draco_model("DRACO" + draco), draco_model(draco, "9"),

@@ -67,11 +67,21 @@ TEST(EyeTrackFile, TheCameraHasTheEyeAndHologramsTheMeasuredOne) {
   EXPECT_EQ(job.camera.eye, (Vec3{0, 0, 0.25}));
   EXPECT_NEAR(job.encode.eye.at(0), -0.5e-3, 1e-15);
   EXPECT_EQ(job.camera.pupil, eye_pupil);
-  EXPECT_EQ(job.last_key, 1);
+  EXPECT_FALSE(job.last_key.has_value()) << "nothing in the scene itself changes";
+  EXPECT_EQ(last_change(job), 1);
   const Job at_once = walking_job("", 0.5, "target = \"render\"\n");
   EXPECT_EQ(at_once.encode.eye, (std::vector<double>{0, 0, 0.25}));
   EXPECT_FALSE(at_once.tracked->is_off());
   EXPECT_TRUE(walking_job("", 0.5, "target = \"field\"\n").encode.eye.empty());
+}
+
+// As --eye-track does.
+TEST(EyeTrackFile, AnotherTrackEndsWhereItEnds) {
+  Job job = walking_job("", 0.2);
+  job.eye.track = make_file("short.csv", "\"time_s\",\"x_mm\",\"y_mm\",\"z_mm\"\n0;1;0;250\n0.4;1;0;250\n");
+  follow_eye_track(job);
+  EXPECT_EQ(last_change(job), 0.4);
+  EXPECT_EQ(job.camera.eye, (Vec3{1e-3, 0, 0.25}));
 }
 
 TEST(EyeTrackFile, ScenesThatDoNotFitAreErrors) {

@@ -29,7 +29,7 @@ void describe(Visitor&& v, EyeParams& p) {
   v(length("noise", p.noise, range::not_negative, "standard deviation of a measured place along each axis"));
   v(count("seed", p.seed, range::not_negative, "seed for the noise of the measured places"));
   v(flag("predict", p.is_predicted,
-         "linear prediction of the eye's place: the way that was measured over the last latency is added"));
+         "linear prediction of the eye's place: the displacement measured over one latency is added"));
 }
 
 }  // namespace holotrace

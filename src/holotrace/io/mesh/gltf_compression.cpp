@@ -44,9 +44,9 @@ std::string meshopt_bytes(const GltfFile& gltf, const Json& source, const std::s
               size <= gltf.buffers[buffer].size() - begin,
           "{}: expected {} compressed bytes of {} inside its buffer {}; export it again", gltf.path, size, name,
           buffer);
-  // An item takes at least a bit: so few bytes cannot be so many items.
-  constexpr size_t most_bytes = size_t(1) << 33;
-  const bool is_sound = stride > 0 && stride <= 256 && count <= 64 * size + 64 && count <= most_bytes / stride &&
+  // So few bytes cannot be so many items: 16 items take 4 bytes or more for each of their bytes that changes, and 2 bits for each
+  // that does not; an index takes a byte, and a triangle a third of one for each corner.
+  const bool is_sound = stride > 0 && stride <= 256 && count <= 64 * size + 64 && count * stride <= 64 * size + 256 &&
                         (mode == "ATTRIBUTES" ? stride % 4 == 0 : stride == 2 || stride == 4) &&
                         (mode != "TRIANGLES" || count % 3 == 0);
   if (!is_sound) fail_damaged(gltf, name);
@@ -101,6 +101,24 @@ void append(std::string& bytes, T value) {
   bytes.append(raw.data(), raw.size());
 }
 
+// What the integers of a Draco attribute are to be divided by: accessors may say that they are normalized where the attribute does
+// not, as many encoders leave it.
+float divisor_of(const Json& accessor, const draco::PointAttribute& values) {
+  if (!accessor.value("normalized", false) || values.normalized()) return 1;
+  switch (values.data_type()) {
+    case draco::DT_UINT8:
+      return 255;
+    case draco::DT_INT8:
+      return 127;
+    case draco::DT_UINT16:
+      return 65535;
+    case draco::DT_INT16:
+      return 32767;
+    default:
+      return 1;
+  }
+}
+
 constexpr int unsigned_int = 5125, floating_point = 5126;  // "componentType"
 
 // Replaces the accessors of a primitive by what Draco has kept of them. Integers that are normalized become floating-point numbers.
@@ -129,13 +147,17 @@ void decompress_primitive(GltfFile& gltf, Json& primitive, const Json& source, c
     const draco::PointAttribute* values = points->GetAttributeByUniqueId(uint32_t(gltf_count(gltf, identity)));
     const int components = values ? values->num_components() : 0;
     if (components < 1 || components > 4) fail_damaged(gltf, name);
+    const size_t original = gltf_count(gltf, primitive.at("attributes").at(attribute));
+    const Json& accessors = gltf.document.at("accessors");
+    if (original >= accessors.size()) fail_damaged(gltf, name);
+    const float divisor = divisor_of(accessors[original], *values);
     std::string bytes;
     for (size_t i = 0; i < count; ++i) {
       std::array<float, 4> item{};
       const draco::AttributeValueIndex at = values->mapped_index(draco::PointIndex(uint32_t(i)));
       if (at.value() >= values->size() || !values->ConvertValue<float>(at, int8_t(components), item.data()))
         fail_damaged(gltf, name);
-      for (int c = 0; c < components; ++c) append(bytes, item[size_t(c)]);
+      for (int c = 0; c < components; ++c) append(bytes, item[size_t(c)] / divisor);
     }
     constexpr std::array types{"SCALAR", "VEC2", "VEC3", "VEC4"};
     primitive["attributes"][attribute] =

@@ -205,6 +205,8 @@ FileMaterial receive_material(FromChild& from, ModelReader& reader) {
   if (is_finite(emission))
     result.material.emission = {std::max(emission.x, 0.0), std::max(emission.y, 0.0), std::max(emission.z, 0.0)};
   if (opacity >= 0 && opacity < 1) result.material.opacity = opacity;
+  if (opacity == 0)
+    reader.warn("transparent", fmt::format("material \"{}\" is fully transparent: its surfaces are not there", name));
   return result;
 }
 

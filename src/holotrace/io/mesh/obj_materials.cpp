@@ -131,9 +131,14 @@ class Entries {
     } else if (key == "d") {
       entry.opacity = number(line);
       entry.has_opacity = true;
+      if (entry.opacity <= 0) warn(entry, key, "is fully transparent (d 0): its surfaces are not there");
     } else if (key == "tr") {
       const double transparency = number(line);
       if (!entry.has_opacity) entry.opacity = 1 - transparency;
+      if (entry.opacity <= 0)
+        warn(
+            entry, key,
+            "is fully transparent (Tr 1): its surfaces are not there; some programs write Tr the other way round, which d corrects");
     } else if (key == "illum") {
       entry.illumination = int(std::clamp(number(line), 0.0, 10.0));
     } else if (key == "pr") {

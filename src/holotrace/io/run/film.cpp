@@ -95,6 +95,11 @@ void save_pictures(const std::string& path, size_t count, const std::function<st
     for (size_t k = i + 1; k < count && double(k - i) < intervals; ++k) {
       const double part = std::min(1.0, intervals - double(k - i));
       const Image image = load_image(picture_path(k));
+      require(
+          image.nx == sum.nx && image.ny == sum.ny && image.channels == sum.channels,
+          "expected pictures of one size while the shutter is open, got {} × {} and {} × {}; a film with a shutter longer than "
+          "its interval cannot change their size",
+          sum.nx, sum.ny, image.nx, image.ny);
       for (size_t v = 0; v < sum.values.size(); ++v) sum.values[v] += float(part * image.values[v]);
       shown += part;
     }

@@ -25,7 +25,7 @@ std::vector<std::string> words_of(std::string_view line) {
   for (const char c : line)
     if (c == ',' || c == ';' || c == '\t')
       words.emplace_back();
-    else
+    else if (c != '"')
       words.back() += c;
   for (std::string& word : words) word = trimmed(word);
   return words;
@@ -112,7 +112,6 @@ void follow_eye_track(Job& job) {
           "shorter film",
           format_time(job.time), format_time(last), job.eye.track);
   job.tracked = tracked_eye(track, job.eye, job.time);
-  job.last_key = std::max(job.last_key.value_or(last), last);
   EncodeParams& encode = job.encode;
   if (job.camera.pupil == 0) job.camera.pupil = encode.pupil > 0 ? encode.pupil : eye_pupil;
   job.camera.eye = job.tracked->place;

@@ -283,6 +283,10 @@ Job load_job_for(const std::optional<Slm>& slm, const std::string& path, Outside
     fail("expected a scene .toml or a model such as .obj or .glb; {}", error.what());
   }
   require(!has_keys_of_panel(parsed), "{0}: expected a scene or a model, got a panel file; name it by --slm {0}", path);
+  for (const SceneEdit& edit : edits)
+    require(!slm || !edit.key.starts_with("slm."),
+            "expected --slm or values of the scene's panel, got both; leave out {}, or change the panel's file",
+            printable(edit.key, 80));
   apply_edits(edits, parsed, files);
   TomlTable root(parsed, files, "the scene file");
   Job job = read_job(root, path, outside, time);

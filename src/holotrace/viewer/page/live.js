@@ -63,7 +63,7 @@ function fieldsOf(value) {
   } else {
     inputs.push(add({ type: 'text', 'aria-label': name, spellcheck: 'false' }, value.value));
   }
-  onChange(values => { if ('edits' in values) write(textOf(value)); });
+  listeners.push(values => { if ('edits' in values) write(textOf(value)); });
   return box;
 }
 
@@ -73,16 +73,23 @@ function rowOf(value) {
   if (isMovable(value)) {
     const button = element('button', 'Drag', { type: 'button', 'aria-pressed': 'false', title: 'Dragging in the view moves it' });
     button.addEventListener('click', () => change({ held: state.held === value.key ? '' : value.key }));
-    onChange(values => { if ('held' in values) button.setAttribute('aria-pressed', String(state.held === value.key)); });
+    listeners.push(values => { if ('held' in values) button.setAttribute('aria-pressed', String(state.held === value.key)); });
     row.append(button);
   }
   return row;
 }
 
-/** Makes the list of values, one group for each table of the scene. */
+// Of the list as it is now.
+let listeners = [];
+onChange(values => { for (const work of listeners) work(values); });
+
+/** Makes the list of values, one group for each table of the scene. Edits of values that the scene has no longer are dropped. */
 export function buildLive() {
+  listeners = [];
   $('live-section').hidden = !session.live;
   if (!session.live) return;
+  const known = Object.entries(state.edits).filter(([key]) => session.live.some(value => value.key === key));
+  state.edits = Object.fromEntries(known);
   const groups = new Map();
   for (const value of session.live) {
     const end = value.key.lastIndexOf('.'), table = end < 0 ? 'scene' : value.key.slice(0, end);

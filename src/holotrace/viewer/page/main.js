@@ -93,9 +93,10 @@ async function complete(asked, madeOf) {
 async function improve(asked) {
   const before = $('status').textContent;
   $('status').textContent = `${before}; finding optimised frames …`;
-  const got = await api.json(`improve?${query({ page, number: String(number) })}`).catch(() => null);
+  const got = await api.json(`improve?${query({ page, number: String(number) })}`).catch(error => ({ problem: error.message }));
   if (asked !== query() || running !== null) return true;
   $('status').textContent = before;
+  if (got?.problem) say(`No optimised frames: ${got.problem}`);
   if (got?.is_improved) await ask(false);
   return got?.is_improved ?? false;
 }
