@@ -91,8 +91,7 @@ struct Rectangle {
 Rectangle best_rectangle(int length, int block) {
   Rectangle best;
   double least = std::numeric_limits<double>::infinity();
-  for (int rows = 1; rows <= length; ++rows) {
-    if (length % rows != 0) continue;
+  const auto try_rows = [&](int rows) {
     const int columns = length / rows;
     const double down = fft_stages_cost(rows) * rows * whole_blocks(columns, block);
     const double across = fft_stages_cost(columns) * columns * whole_blocks(rows, block);
@@ -103,7 +102,12 @@ Rectangle best_rectangle(int length, int block) {
       least = weighed;
       best = {rows, cost};
     }
-  }
+  };
+  const int root = int(std::sqrt(double(length)));  // divisors come in pairs, one on either side of it
+  for (int rows = 1; rows <= root; ++rows)
+    if (length % rows == 0) try_rows(rows);
+  for (int columns = root; columns >= 1; --columns)
+    if (length % columns == 0 && columns < length / columns) try_rows(length / columns);
   return best;
 }
 
