@@ -22,7 +22,7 @@ std::vector<int64_t> targets_here() {
   std::vector<int64_t> targets;
   for (int64_t left = is_only_one ? HWY_TARGETS : hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
     const int64_t target = left & -left;
-    const bool is_covered = target & (HWY_SSSE3 | HWY_SCALAR | HWY_EMU128);
+    const bool is_covered = target & (HWY_SCALAR | HWY_EMU128);
     if (!is_covered || targets.empty()) targets.push_back(target);
   }
   return targets;

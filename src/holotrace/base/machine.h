@@ -17,7 +17,7 @@ bool has_avx512_bf16();
 bool enable_amx_bf16();
 
 /// The instruction sets that this machine has and that vector code is compiled for, best first, by Highway's names:
-/// "AVX3" (AVX-512), "AVX2", "SSE4", … A set that handles floats as a better one on the list does (SSSE3) is left out.
+/// "AVX3" (AVX-512), "AVX2", "SSE4", … Plain loops are named only where there is nothing else.
 std::vector<std::string> instruction_sets();
 
 /// All code that picks its instruction set at run time uses this one from here on, and instruction_sets() has no other;
