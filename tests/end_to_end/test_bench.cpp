@@ -5,14 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "bench/bench_history.h"
+#include "bench/commit.h"
 #include "support/program.h"
+#include "support/temporary.h"
 
 namespace holotrace {
+
+const char* const source_commit = "tested";
+
 namespace {
 
 using test::Workplace;
@@ -78,8 +86,7 @@ std::string faster(const std::string& history, double factor) {
 
 TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
   const Workplace place;
-  const auto run = [&](const std::string& history, int exit_code = 0) {
-    if (!history.empty()) place.write("history.jsonl", history);
+  const auto run = [&](int exit_code = 0) {
     const test::Outcome outcome = place.run({"bench", "--quick", "--only", "show", "--history", "history.jsonl"});
     EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
     return outcome.out + outcome.err;
@@ -87,51 +94,60 @@ TEST(Bench, HistoryTakesTheRowsOfEachRunAndTellsWhatGotSlower) {
   const auto has = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
   };
-  EXPECT_TRUE(has(run(""), "history.jsonl has no earlier times of these stages on this machine"));
+  EXPECT_TRUE(has(run(), "history.jsonl has no earlier times of these stages on this machine"));
   const std::string rows = place.read("history.jsonl");
   const auto count = std::count(rows.begin(), rows.end(), '\n');
-  int timed = 0;  // rows without a ceiling but our own transform: that of show
   changed(rows, [&](const auto& row) {
     for (const char* name : {"date", "commit", "version", "processor", "device", "group", "stage", "job"})
       EXPECT_FALSE(row[name].template get<std::string>().empty()) << name;
     EXPECT_EQ(row.contains("of_ceiling"), row["stage"] == "encode");
-    timed += !row.contains("of_ceiling");
   });
-
   // Factors of a hundred stand out of the noise of short runs beside other programs.
-  const auto found = [&](int64_t slower) {
-    return fmt::format("{} of the {} stages with earlier times in history.jsonl are slower", slower, count);
-  };
-  EXPECT_TRUE(has(run(faster(rows, 100)), found(count)));
+  place.write("history.jsonl", faster(rows, 100));
+  EXPECT_TRUE(has(run(), fmt::format("{0} of the {0} stages with earlier times in history.jsonl are slower", count)));
   const std::string both = place.read("history.jsonl");
   EXPECT_EQ(std::count(both.begin(), both.end(), '\n'), 2 * count) << "rows are added";
-  EXPECT_TRUE(has(run(faster(rows, 0.01)), found(0)));
+  place.write("history.jsonl", rows + "{\"stage\": 3}\n");
+  EXPECT_TRUE(has(run(1), fmt::format("history.jsonl: line {} is not a row of holotrace bench --history", count + 1)));
+}
+
+// A run that is compared with files of earlier rows: a stage whose ceiling is known, and one whose ceiling is not.
+TEST(Bench, HistoryComparesWithTheMedianOfTheLastFiveRows) {
+  const std::string path = test::temporary("history.jsonl");
+  BenchRow filled, timed;
+  filled.group = timed.group = "show";
+  filled.job = timed.job = "a";
+  filled.stage = "encode", timed.stage = "show";
+  filled.seconds = timed.seconds = 1e-2;
+  filled.of_ceiling = 0.5;
+  filled.ceiling = "memory";
+  const std::vector<BenchRow> now{filled, timed};
+  BenchHistory(path).append(now, 2);
+  std::ifstream file(path);
+  const std::string rows(std::istreambuf_iterator<char>(file), {});
+  const auto slower_than = [&](const std::string& history) {
+    std::ofstream(path) << history;
+    const BenchComparison comparison = BenchHistory(path).compare(now, 2, 1.5);
+    return std::pair(comparison.compared, int(comparison.slower.size()));
+  };
+  EXPECT_EQ(slower_than(faster(rows, 100)), std::pair(2, 2));
+  EXPECT_EQ(slower_than(faster(rows, 0.01)), std::pair(2, 0));
   // Of three slow runs and three fast ones after them, the last five are two slow and three fast ones, whose median is fast.
   std::string slow_then_fast;
   for (const double factor : {0.01, 0.01, 0.01, 100.0, 100.0, 100.0}) slow_then_fast += faster(rows, factor);
-  EXPECT_TRUE(has(run(slow_then_fast), found(count)));
-
+  EXPECT_EQ(slower_than(slow_then_fast), std::pair(2, 2));
   // Where there is a ceiling, the part of it is compared, not the time: here only the time was shorter.
-  EXPECT_TRUE(has(run(changed(rows,
-                              [](auto& row) {
-                                row["seconds"] = row["seconds"].template get<double>() / 100;
-                                if (row.contains("of_ceiling"))
-                                  row["of_ceiling"] = row["of_ceiling"].template get<double>() / 100;
-                              })),
-                  found(timed)));
-
-  int number = 0;
-  const std::string others = changed(faster(rows, 100), [&](auto& row) {
-    const char* const names[] = {"processor", "device", "job"};
-    if (++number % 4 == 3)
-      row["threads"] = 99;
-    else
-      row[names[number % 4]] = "another";
-  });
-  EXPECT_TRUE(has(run(others), "has no earlier times of these stages on this machine"));
-
-  EXPECT_TRUE(has(run(rows + "{\"stage\": 3}\n", 1),
-                  fmt::format("history.jsonl: line {} is not a row of holotrace bench --history", count + 1)));
+  EXPECT_EQ(slower_than(changed(rows,
+                                [](auto& row) {
+                                  row["seconds"] = row["seconds"].template get<double>() / 100;
+                                  if (row.contains("of_ceiling"))
+                                    row["of_ceiling"] = row["of_ceiling"].template get<double>() / 100;
+                                })),
+            std::pair(2, 1));
+  for (const char* name : {"processor", "device", "job"})
+    EXPECT_EQ(slower_than(changed(faster(rows, 100), [&](auto& row) { row[name] = "another"; })), std::pair(0, 0))
+        << name;
+  EXPECT_EQ(slower_than(changed(faster(rows, 100), [&](auto& row) { row["threads"] = 99; })), std::pair(0, 0));
 }
 
 // Noise falls as 1/√paths, so the time to a given noise is that of the picture × (its noise / the given one)².
