@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <numeric>
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/eye_views.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/renders.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/slm/panel/show.h"
 #include "holotrace/view/camera.h"
@@ -485,6 +488,51 @@ TEST(Eyes, MustBeWhereLightOfThePanelComes) {
   EXPECT_TRUE(error({0, 0, 0.25}, {"wide"}).find("wide") != std::string::npos);
   EXPECT_TRUE(error({}, {"wide"}).find("wide") != std::string::npos) << "also without an eye";
   EXPECT_TRUE(error({0, 0, 0.25}, {"1 2 3 mm"}).starts_with("expected a diameter, a width and a height, or \"all\""));
+}
+
+double light_in(const std::vector<Image>& pictures) {
+  double sum = 0;
+  for (const Image& picture : pictures)
+    for (const float value : picture.values) sum += double(value);
+  return sum;
+}
+
+// A square that is there for a quarter of the exposure has a quarter of its light, in all that holograms aim at and are compared with.
+// Paths are shared among the moments: lamps that are seen have no other noise.
+TEST(SceneTargets, AreTheMeanOfAnOpenShutter) {
+  const auto expect_mean = [](const Job& still, const std::function<double(const Job&)>& light) {
+    Job first = still, moving = still;
+    first.scene.meshes.pop_back();  // planes are named, so that all have the same
+    const auto both = std::make_shared<Scene>(still.scene), one = std::make_shared<Scene>(first.scene);
+    for (int k = 0; k < 8; ++k) moving.moments.push_back({k < 6 ? one : both, {}});
+    const double all = light(still), without = light(first);
+    EXPECT_GT(all, 1.2 * without);
+    EXPECT_NEAR(light(moving), without + 0.25 * (all - without), 0.01 * all);
+  };
+  Job planes = two_squares();
+  planes.encode.target_distances = {0.02, 0.024};
+  planes.render.columns = 80, planes.render.rows = 60;
+  expect_mean(planes, [](const Job& job) { return light_in(trace_targets(job).planes.pictures); });
+  expect_mean(planes, [](const Job& job) { return light_in({make_render(job, job.render)}); });
+  expect_mean(planes, [](const Job& job) { return light_in({make_halved_render(job, job.render).mean}); });
+  expect_mean(planes, [](const Job& job) {
+    return light_in(make_focal_stack(job, {0.02, 0.024}, job.render, PictureUse::radiance).pictures);
+  });
+  Job eye = squares_for_an_eye();
+  eye.encode.target_distances = {0.02, 0.024};
+  expect_mean(eye, [](const Job& job) { return light_in(trace_targets(job).eyes.at(0).light.views); });
+}
+
+// What moves is in the range of depths as long as the shutter is open, to its last moment.
+TEST(SceneTargets, PlanesGoThroughAllMomentsOfAnOpenShutter) {
+  Job job = two_squares();
+  const std::vector<double> whole = target_distances_of(job);
+  Job first = job;
+  first.scene.meshes.pop_back();
+  EXPECT_LT(target_distances_of(first).back(), whole.back() - 1e-3);
+  const auto both = std::make_shared<Scene>(job.scene), one = std::make_shared<Scene>(first.scene);
+  first.moments = {{one, {}}, {one, {}}, {both, {}}};
+  EXPECT_EQ(target_distances_of(first), whole);
 }
 
 TEST(SceneTargets, ALightFieldNeedsAVirtualImageAndOneSamplePerPixel) {
