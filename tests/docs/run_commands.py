@@ -58,8 +58,8 @@ INPUTS = {
 SHORTER = [
     (r'--width "56 mm" --height "14 mm"', '--width "14 mm" --height "2 mm"'),
     (r'--times "0.2, 0.4 s" --quality', '--times "0.2 s" --quality'),
-    (r"run MODEL.glb", "run MODEL.glb --planes 1 --iterations 1"),
-    (r"animate MODEL.glb", "animate MODEL.glb --planes 1 --iterations 1"),
+    (r"run MODEL.glb", "run MODEL.glb --planes 1 --iterations 1 --paths 2"),
+    (r"animate MODEL.glb", "animate MODEL.glb --planes 1 --iterations 1 --paths 2"),
     (r"--columns 32768 --rows 32768", "--columns 1024 --rows 1024"),
     (r"--target-columns 1600 --target-rows 880", "--target-columns 200 --target-rows 110 --resample true --iterations 3"),
     (r"--target-columns 1000 --target-rows 500", "--target-columns 200 --target-rows 110"),
