@@ -11,6 +11,7 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/film.h"
+#include "holotrace/run/reuse.h"
 #include "holotrace/run/scene_targets.h"
 #include "rank_links.h"
 #include "run_flags.h"
@@ -88,10 +89,7 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
     require(
         first.camera.sweep == Sweep::none,
         "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");
-    require(
-        !plan.from_last || aims_at_scene(first),
-        "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave "
-        "it out");
+    check_time_of_film(first, first, plan.from_last);
     if (first.tracked) plan.job_at(plan.times.back());  // a track that ends before is an error at once
     // Ranks share the times, or the frames of times that depend on each other.
     Ranks& ranks = *global.ranks;

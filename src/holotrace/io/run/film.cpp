@@ -126,18 +126,16 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
   require(!plan.from_last || range.begin == 0,
           "expected all times of a film that goes on from the last one, got those from number {} on", range.begin + 1);
   std::optional<EarlierRun> before;  // of the last time that was computed
-  std::vector<double> wavelengths;
-  std::string mark;  // fingerprint of all that the results of a time depend on
+  Job first;                         // without its scene
+  std::string mark;                  // fingerprint of all that the results of a time depend on
   std::vector<std::string> notes;
-  if (range.begin > 0 && range.begin < range.end) wavelengths = plan.job_at(plan.times[0]).wavelengths;
+  if (range.begin > 0 && range.begin < range.end) first = choose_missing(plan.job_at(plan.times[0]));
   for (size_t i = range.begin; i < range.end; ++i) {
     const Job job = choose_missing(plan.job_at(plan.times[i]));
-    if (i == 0) wavelengths = job.wavelengths;
-    require(job.wavelengths == wavelengths,
-            "expected the same wavelengths at all times of a film, got others at {}; give \"wavelength\" in the scene",
-            format_time(plan.times[i]));
-    require(!job.encode.is_rolling || plan.from_last,
-            "expected rolling frames in a film that goes on from the last time; give from_last, or leave out rolling");
+    if (i == 0) first = job;
+    first.scene = {};  // it may be large
+    first.moments.clear();
+    check_time_of_film(job, first, plan.from_last);
     require(
         aims_at_scene(job) || job.render.reference != Reference::none,
         "expected a film with renders, by which all its views are exposed together, got reference = none; use quick or full");
