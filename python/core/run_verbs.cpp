@@ -9,6 +9,7 @@
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run_folder.h"
+#include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/reuse.h"
@@ -49,23 +50,25 @@ EarlierRun earlier_run(const nb::dict& made, const RunRecord& record) {
   earlier.results.fields = nouns_of<std::vector<Field>>(made, "fields");
   earlier.results.holograms = nouns_of<Hologram>(made, "holograms");
   earlier.results.report = record.report;
+  earlier.results.eye_light = record.eye_light;
   return earlier;
 }
 
 nb::dict run_job(const Job& given, const std::vector<Hologram>& last, const nb::object& made, const RunRecord* record,
-                 Watch& watch) {
+                 const std::vector<double>& times, Watch& watch) {
   const Job job = choose_missing(given);
+  const std::optional<EyeWalk> walk = walk_through(measured_places(job, times), job.encode);
   std::optional<EarlierRun> earlier;
   if (record) earlier = earlier_run(nb::cast<nb::dict>(made), *record);
   RunResults found = watch.run("run", [&](const Observer&) {
     return run(
         job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr,
-        earlier ? &*earlier : nullptr, last);
+        earlier ? &*earlier : nullptr, earlier ? moved_to_eye(last, eyes_of(earlier->job.encode), job) : last, walk);
   });
   nb::dict results = dict_of(found);
   results["report"] = json_of(found.report);
-  results["record"] =
-      nb::cast(RunRecord{job, std::move(found.report), std::move(found.points), std::move(found.radiances)});
+  results["record"] = nb::cast(
+      RunRecord{job, std::move(found.report), std::move(found.points), std::move(found.radiances), found.eye_light});
   return results;
 }
 
@@ -112,7 +115,7 @@ void bind_run_verbs(nb::module_& module) {
   nb::class_<RunRecord> record(module, "RunRecord");
   bind_bytes<RunRecord>(record);
   module.def("run", &run_job, nb::arg("job"), nb::arg("last"), nb::arg("earlier").none(), nb::arg("record").none(),
-             nb::arg("watch"));
+             nb::arg("times"), nb::arg("watch"));
   module.def("check_time_of_film", [](const Job& job, const Job& first, bool from_last) {
     check_time_of_film(choose_missing(job), choose_missing(first), from_last);
   });

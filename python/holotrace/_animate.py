@@ -94,7 +94,7 @@ def animate(
             first_job = first_job or job
             _core.check_time_of_film(job, first_job, from_last)
             last = before.holograms if before and from_last else None
-            before = _run_after(before, job, last, progress)
+            before = _run_after(before, job, last, times if from_last else [], progress)
             before.time = time
             yield before
 

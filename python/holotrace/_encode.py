@@ -220,7 +220,7 @@ def run(scene: Scene, *, last: Last = None, progress: Progress = None, **stages:
     camera={"distances": "300 mm"})``. ``last`` has the holograms of the last picture of a film, from which those that aim at the
     scene's light go on: see ``encode_all``.
     """
-    return _run_after(None, _job_of(scene, stages), last, progress)
+    return _run_after(None, _job_of(scene, stages), last, [], progress)
 
 
 def _job_of(scene: Scene, stages: Mapping[str, Mapping[str, Any]]) -> Any:
@@ -230,13 +230,14 @@ def _job_of(scene: Scene, stages: Mapping[str, Mapping[str, Any]]) -> Any:
     return job
 
 
-def _run_after(earlier: Optional[Run], job: Any, last: Last, progress: Progress) -> Run:
-    """A run that takes again what an earlier one has made, if only the camera differs."""
+def _run_after(earlier: Optional[Run], job: Any, last: Last, times: Sequence[float], progress: Progress) -> Run:
+    """A run that takes again what an earlier one has made, if only the camera differs, and the light of a resting scene for an eye that walks, which is
+    traced for its places at all these times."""
     made = record = None
     if earlier is not None:
         made, record = _made_of(earlier, ("sources", "holograms")), earlier._record
     with watching(progress) as watch:
-        found = _core.run(job, _cores_of(last), made, record, watch.core)
+        found = _core.run(job, _cores_of(last), made, record, list(times), watch.core)
     return _run_of(found, json.loads(found["report"]), found["record"])
 
 

@@ -425,7 +425,8 @@ TEST(Animate, TheWindowOfTheViewFollowsTheEye) {
     scene.replace(scene.find(std::string(side) + " = \"0.5 mm\""), std::string(side).size() + 11,
                   std::string(side) + " = \"9 mm\"");
   work.write("scene.toml", scene);
-  const Outcome outcome = work.run({"animate", "scene.toml", "-o", "film", "--eye-track", "walk.csv", "-q"});
+  const Outcome outcome =
+      work.run({"animate", "scene.toml", "-o", "film", "--eye-track", "walk.csv", "--times", "0, 0.2 s", "-q"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto place_of = [&](const std::string& folder) {
     const Json report = Json::parse(work.read(folder + "/report.json"));

@@ -120,9 +120,9 @@ TEST(Render, AzimuthAndElevationMoveTheWindow) {
     const Image image = render(scene, render_panel, green_light, params);
     // The wall begins at 2 and 1 pixels, the window at 5 − 10 and −3 + 10; the point's pixel is (8, −9).
     for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 20; ++i) {
+      for (int i = 0; i < 20; ++i) {  // 1e-6: rounding of the place moves a little light
         const bool is_point = j == 7 + 8 && i == 8 + 5;
-        EXPECT_EQ(image(j, i) > 0.5, is_point || (i >= 2 + 5 && j < 7 - 1)) << j << " " << i;
+        EXPECT_EQ(image(j, i) > 1e-6 * image(15, 13), is_point || (i >= 2 + 5 && j < 7 - 1)) << j << " " << i;
       }
   }
 }

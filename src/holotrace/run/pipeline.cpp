@@ -275,7 +275,7 @@ std::vector<Sources> points_to_focus(const Job& job) {
 }  // namespace
 
 RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links,
-               const EarlierRun* earlier, const std::vector<Hologram>& last) {
+               const EarlierRun* earlier, const std::vector<Hologram>& last, const std::optional<EyeWalk>& walk) {
   const Job job = with_shutter_of_run(choose_missing(given));
   require(
       last.empty() || aims_at_scene(job),
@@ -300,8 +300,9 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   if (aims_at_scene(job)) {
     targets = stage("focal stack", [&](const Observer& o) {
       o.fact("seed", job.render.seed);
-      return trace_targets(job, o);
+      return trace_targets(job, o, {earlier ? earlier->results.eye_light : nullptr, walk});
     });
+    b.eye_light = targets->eyes;
     made = stage("render", [&](const Observer& o) { return references_of_scene(job, *targets, o); });
   } else {
     made = make_references(job, b.report, watch);

@@ -1,5 +1,8 @@
 #include "holotrace/run/reuse.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "holotrace/base/archive.h"
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -33,6 +36,16 @@ uint64_t cause_of_results(Job job) {
 
 uint64_t cause_of_waves(const Job& job) {
   return fingerprint_of(job.scene, job.wavelengths, job.slm, job.trace, job.synthesize, encoding_of(job));
+}
+
+uint64_t cause_of_eye_light(Job job) {
+  job.tracked.reset();
+  job.chosen.clear();  // it names the place of the eye
+  job.camera.eye = {};
+  job.trace.frames = 1;
+  for (size_t i = 0; i < job.encode.eye.size(); ++i)
+    if (i % 3 != 2) job.encode.eye[i] = 0;
+  return std::max<uint64_t>(1, cause_of_results(std::move(job)));
 }
 
 void check_time_of_film(const Job& job, const Job& first, bool from_last) {

@@ -15,6 +15,9 @@ uint64_t cause_of_results(Job job);
 /// A fingerprint of all that the holograms of waves of a run depend on: only what the camera does may differ.
 uint64_t cause_of_waves(const Job& job);
 
+/// A fingerprint of all that the light for the eyes of a job depends on, but for their places beside the axis. 0 stands for none.
+uint64_t cause_of_eye_light(Job job);
+
 /// @throws Error  for a time of a film whose wavelengths differ from those of the first time; and, if its iterations go on from the time
 ///                before, for another number of frames, or holograms that do not aim at the light of the scene. Rolling frames need
 ///                such iterations.

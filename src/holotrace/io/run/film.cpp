@@ -67,8 +67,8 @@ std::string film_ending(FilmFormat format) {
 
 // The run of a time, without what films do not keep.
 EarlierRun run_of(const Job& job, const StageObserver& stages, const CheckpointOf& checkpoint_of, ProcessLinks* links,
-                  const EarlierRun* before, const std::vector<Hologram>& last) {
-  EarlierRun made{job, run(job, stages, checkpoint_of, links, before, last)};
+                  const EarlierRun* before, const std::vector<Hologram>& last, const std::optional<EyeWalk>& walk) {
+  EarlierRun made{job, run(job, stages, checkpoint_of, links, before, last, walk)};
   made.results.sources.clear();
   made.results.points.clear();
   made.results.fields.clear();
@@ -127,6 +127,7 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
           "expected all times of a film that goes on from the last one, got those from number {} on", range.begin + 1);
   std::optional<EarlierRun> before;  // of the last time that was computed
   Job first;                         // without its scene
+  std::vector<Vec3> eyes_before;     // of the holograms of the last time
   std::string mark;                  // fingerprint of all that the results of a time depend on
   std::vector<std::string> notes;
   if (range.begin > 0 && range.begin < range.end) first = choose_missing(plan.job_at(plan.times[0]));
@@ -147,8 +148,10 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
       step = is_same ? FilmStep::same : FilmStep::computed;
       const StageObserver stages = watch.stages ? watch.stages(i) : StageObserver();
       if (step == FilmStep::computed)
-        before = run_of(job, stages, checkpoint_of, links, before ? &*before : nullptr,
-                        plan.from_last ? last_holograms(folder, i) : std::vector<Hologram>());
+        before =
+            run_of(job, stages, checkpoint_of, links, before ? &*before : nullptr,
+                   plan.from_last ? moved_to_eye(last_holograms(folder, i), eyes_before, job) : std::vector<Hologram>(),
+                   plan.from_last ? plan.walk : std::nullopt);
       if (before->results.report.time) before->results.report.time = plan.times[i];
       make_folder(own);
       if (step == FilmStep::same)
@@ -158,6 +161,7 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
       const SavedRun one = save_run(own, before->results, job, stages, watch.before_naming, &film);
       notes.insert(notes.end(), one.notes.begin(), one.notes.end());
     }
+    eyes_before = eyes_of(job.encode);
     if (watch.on_time) watch.on_time(i, step);
   }
   return notes;
