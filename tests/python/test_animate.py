@@ -158,7 +158,7 @@ def stages_of(one):
 
 
 def test_holograms_of_waves_are_taken_again_where_only_the_camera_moves():
-    still = moving(camera={"distances": {"0 s": 0.03, "1 s": 0.032}})
+    still = moving(camera={"distances": 0.03, "pupil": 2e-4, "eye": {"0 s": (0, 0, 0.005), "1 s": (1e-4, 0, 0.005)}})
     still["object"][0]["position"] = (0, 0, -0.03)
     first, second = ht.animate(still, fps=2)
     assert "synthesize" in stages_of(first) and "reuse" not in stages_of(first)

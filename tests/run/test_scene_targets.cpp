@@ -431,7 +431,8 @@ TEST(EyeWalk, IsTheBoxOfItsPlacesIfThatHasNotMoreLight) {
 TEST(EyeWalk, ItsLightIsThatOfEachPlace) {
   Job job = squares_for_an_eye();
   job.scene.meshes.resize(1);
-  for (Vec3& p : job.scene.meshes.front().positions) p = {p.x * 30, p.y * 30, -0.02};
+  job.scene.meshes.front().positions = {
+      {-5e-3, -5e-3, -0.02}, {5e-3, -5e-3, -0.02}, {5e-3, 5e-3, -0.02}, {-5e-3, 5e-3, -0.02}};
   job.render.paths = 8;
   const auto at = [&](double x) {
     Job moved = job;
@@ -460,10 +461,10 @@ TEST(EyeWalk, ItsLightIsThatOfEachPlace) {
     }
     EXPECT_GT(most, 0);
   }
-  EXPECT_NE(trace_targets(at(4e-4), {}, {first.eyes, {}}).eyes, first.eyes) << "beyond the walk";
+  EXPECT_NE(trace_targets(at(5e-4), {}, {first.eyes, walk}).eyes, first.eyes) << "beyond the walk";
   Job other = at(0);
   other.scene.materials.front() = Material{};
-  EXPECT_NE(trace_targets(other, {}, {first.eyes, {}}).eyes, first.eyes) << "another scene";
+  EXPECT_NE(trace_targets(other, {}, {first.eyes, walk}).eyes, first.eyes) << "another scene";
   const SceneTargets still = trace_targets(at(0));
   EXPECT_EQ(trace_targets(at(0), {}, {still.eyes, {}}).eyes, still.eyes) << "an eye that rests";
   EXPECT_NE(trace_targets(at(1e-5), {}, {still.eyes, {}}).eyes, still.eyes);
