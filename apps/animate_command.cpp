@@ -11,6 +11,8 @@
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/film.h"
+#include "holotrace/io/scene/eye_track_file.h"
+#include "holotrace/run/eye_views.h"
 #include "holotrace/run/reuse.h"
 #include "holotrace/run/scene_targets.h"
 #include "rank_links.h"
@@ -89,7 +91,8 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
     require(
         first.camera.sweep == Sweep::none,
         "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");
-    if (plan.from_last) check_from_last(first);
+    check_time_of_film(first, first, plan.from_last);
+    if (plan.from_last) plan.walk = walk_through(measured_places(first, plan.times), first.encode);
     if (first.tracked) plan.job_at(plan.times.back());  // a track that ends before is an error at once
     // Ranks share the times, or the frames of times that depend on each other.
     Ranks& ranks = *global.ranks;

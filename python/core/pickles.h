@@ -14,7 +14,7 @@ namespace holotrace::python {
 
 template <class Archive>
 void members(Archive& archive, RunRecord& part) {
-  auto& [job, report, points, radiances] = part;
+  auto& [job, report, points, radiances, eye_light] = part;  // the last is traced again
   archive(job, report, points, radiances);
 }
 template <class Archive>

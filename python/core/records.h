@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "holotrace/data/image.h"
@@ -7,6 +8,7 @@
 #include "holotrace/data/params/camera.h"
 #include "holotrace/data/report.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/run/scene_targets.h"
 
 namespace holotrace::python {
 
@@ -14,8 +16,9 @@ namespace holotrace::python {
 struct RunRecord {
   Job job;  ///< with the numbers that its quality chooses
   Report report;
-  std::vector<Sources> points;   ///< as in RunResults
-  std::vector<Image> radiances;  ///< as in RunResults
+  std::vector<Sources> points;                      ///< as in RunResults
+  std::vector<Image> radiances;                     ///< as in RunResults
+  std::shared_ptr<const KeptEyeLight> eye_light{};  ///< as in RunResults
 };
 struct ViewRecord {
   CameraParams camera;

@@ -2,14 +2,17 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "holotrace/io/files/folders.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/run/save_run.h"
 #include "holotrace/io/run_folder.h"
+#include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
+#include "holotrace/run/reuse.h"
 #include "results.h"
 #include "watch.h"
 
@@ -40,16 +43,32 @@ nb::dict dict_of(RunResults& found) {
   return results;
 }
 
-nb::dict run_job(const Job& given, const std::vector<Hologram>& last, Watch& watch) {
+// What run takes again of a run at another time.
+EarlierRun earlier_run(const nb::dict& made, const RunRecord& record) {
+  EarlierRun earlier{record.job, {}};
+  earlier.results.sources = nouns_of<Sources>(made, "sources");
+  earlier.results.fields = nouns_of<std::vector<Field>>(made, "fields");
+  earlier.results.holograms = nouns_of<Hologram>(made, "holograms");
+  earlier.results.report = record.report;
+  earlier.results.eye_light = record.eye_light;
+  return earlier;
+}
+
+nb::dict run_job(const Job& given, const std::vector<Hologram>& last, const nb::object& made, const RunRecord* record,
+                 const std::vector<double>& times, Watch& watch) {
   const Job job = choose_missing(given);
+  const std::optional<EyeWalk> walk = walk_through(measured_places(job, times), job.encode);
+  std::optional<EarlierRun> earlier;
+  if (record) earlier = earlier_run(nb::cast<nb::dict>(made), *record);
   RunResults found = watch.run("run", [&](const Observer&) {
     return run(
-        job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr, nullptr, last);
+        job, [&](const std::string& stage) { return watch.observer(stage); }, {}, nullptr,
+        earlier ? &*earlier : nullptr, earlier ? moved_to_eye(last, eyes_of(earlier->job.encode), job) : last, walk);
   });
   nb::dict results = dict_of(found);
   results["report"] = json_of(found.report);
-  results["record"] =
-      nb::cast(RunRecord{job, std::move(found.report), std::move(found.points), std::move(found.radiances)});
+  results["record"] = nb::cast(
+      RunRecord{job, std::move(found.report), std::move(found.points), std::move(found.radiances), found.eye_light});
   return results;
 }
 
@@ -95,7 +114,12 @@ void save(const std::string& folder, const nb::dict& made, const RunRecord& reco
 void bind_run_verbs(nb::module_& module) {
   nb::class_<RunRecord> record(module, "RunRecord");
   bind_bytes<RunRecord>(record);
-  module.def("run", &run_job);
+  module.def("run", &run_job, nb::arg("job"), nb::arg("last"), nb::arg("earlier").none(), nb::arg("record").none(),
+             nb::arg("times"), nb::arg("watch"));
+  module.def("check_time_of_film", [](const Job& job, const Job& first, bool from_last) {
+    check_time_of_film(choose_missing(job), choose_missing(first), from_last);
+  });
+
   module.def("load_run", &load);
   module.def("holograms_of_run", [](const std::string& folder) { return list_complete_run(folder).holograms; });
   module.def("check_series", &check_series);

@@ -7,7 +7,7 @@ from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
 
 from . import _core
 from ._checked import items
-from ._encode import Run, run
+from ._encode import Run, _job_of, _run_after
 from ._fields import Path
 from ._images import Image
 from ._parameters import takes
@@ -76,7 +76,9 @@ def animate(
     longer exposure sees the mean of the views of several times.
 
     A viewer who walks has ``stages={"eye": {"track": "walk.csv", "latency": "20 ms"}}``: the holograms are for the measured eye, the
-    views and renders those of the eye itself. Each `Run` is that of `run` for the scene at that time. ``holotrace animate`` writes films of all times, and resumes.
+    views and renders those of the eye itself. Each `Run` is that of `run` for the scene at that time; holograms of waves are taken again where
+    only the camera moves. With ``from_last=True`` holograms that aim at the scene's light go on from those of the time before.
+    ``holotrace animate`` writes films of all times, and resumes.
     """
     scene_at = _at(moving, allow_outside)
     tables = stages or {}
@@ -86,12 +88,15 @@ def animate(
         scene_at(times[-1], 0.0).replace(**tables)  # a track that ends before is an error at once
 
     def runs() -> Iterator[Run]:
-        last = None
+        first_job, before = None, None
         for time in times:
-            made = run(scene_at(time, opened), last=last, progress=progress, **tables)
-            last = made.holograms if from_last else None
-            made.time = time
-            yield made
+            job = _job_of(scene_at(time, opened), tables)
+            first_job = first_job or job
+            _core.check_time_of_film(job, first_job, from_last)
+            last = before.holograms if before and from_last else None
+            before = _run_after(before, job, last, times if from_last else [], progress)
+            before.time = time
+            yield before
 
     return runs()
 

@@ -196,10 +196,10 @@ class Run:
         """Write the files of ``holotrace run`` into a folder: render.png, render.exr, hologram.png, view.png, ..."""
         if self._record is None:
             raise _core.Error("expected a run that was computed here to save, got one that was loaded; copy its folder")
-        made: Dict[str, Any] = {name: getattr(self, name) for name in _WHITES}
-        for name in ("renders", "sources", "holograms", "views", "views_beside", "sweep", "stereo_renders", "stereo_views"):
-            made[name] = [one._core for one in getattr(self, name)]
-        made["fields"] = [[one._core for one in group] for group in self.fields]
+        made = _made_of(
+            self, ("renders", "sources", "holograms", "views", "views_beside", "sweep", "stereo_renders", "stereo_views")
+        )
+        made.update({name: getattr(self, name) for name in _WHITES})
         with watching(False) as watch:
             _core.save_run(os.fspath(folder), made, self._record, watch.core)
 
@@ -220,12 +220,32 @@ def run(scene: Scene, *, last: Last = None, progress: Progress = None, **stages:
     camera={"distances": "300 mm"})``. ``last`` has the holograms of the last picture of a film, from which those that aim at the
     scene's light go on: see ``encode_all``.
     """
+    return _run_after(None, _job_of(scene, stages), last, [], progress)
+
+
+def _job_of(scene: Scene, stages: Mapping[str, Mapping[str, Any]]) -> Any:
     job = a(Scene, scene, "to run").copy()
     for stage, params in stages.items():
         job.set(stage, table(params, stage))
+    return job
+
+
+def _run_after(earlier: Optional[Run], job: Any, last: Last, times: Sequence[float], progress: Progress) -> Run:
+    """A run that takes again what an earlier one has made, if only the camera differs, and the light of a resting scene for an eye that walks, which is
+    traced for its places at all these times."""
+    made = record = None
+    if earlier is not None:
+        made, record = _made_of(earlier, ("sources", "holograms")), earlier._record
     with watching(progress) as watch:
-        made = _core.run(job, _cores_of(last), watch.core)
-    return _run_of(made, json.loads(made["report"]), made["record"])
+        found = _core.run(job, _cores_of(last), made, record, list(times), watch.core)
+    return _run_of(found, json.loads(found["report"]), found["record"])
+
+
+def _made_of(one: Run, names: Sequence[str]) -> Dict[str, Any]:
+    """What the core has made of a run: its fields, and the lists of these names."""
+    made: Dict[str, Any] = {name: [item._core for item in getattr(one, name)] for name in names}
+    made["fields"] = [[item._core for item in group] for group in one.fields]
+    return made
 
 
 def load_run(folder: Path, *, progress: Progress = None) -> Run:

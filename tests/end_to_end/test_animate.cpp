@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 #include <thread>
 
@@ -412,6 +413,45 @@ TEST(Animate, TheHologramIsForTheMeasuredEyeAndTheViewIsThatOfTheEye) {
                 .exit_code,
             0);
   EXPECT_NEAR(Json::parse(work.read("ahead/report.json")).at("eye").at("largest_distance_m").get<double>(), 0, 1e-12);
+}
+
+// An eye far aside sees the panel's frame as one before its middle does. The wall is even, so views are as good there. Its window
+// has its middle at −x·d/z in the plane in focus.
+TEST(Animate, TheWindowOfTheViewFollowsTheEye) {
+  const Workplace work;
+  work.write("walk.csv", "0,-1.5,0,60\n0.4,1.5,0.6,60\n");
+  std::string scene = walking_scene("", "");
+  for (const char* side : {"width", "height"})
+    scene.replace(scene.find(std::string(side) + " = \"0.5 mm\""), std::string(side).size() + 11,
+                  std::string(side) + " = \"9 mm\"");
+  work.write("scene.toml", scene);
+  const Outcome outcome =
+      work.run({"animate", "scene.toml", "-o", "film", "--eye-track", "walk.csv", "--times", "0, 0.2 s", "-q"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto place_of = [&](const std::string& folder) {
+    const Json report = Json::parse(work.read(folder + "/report.json"));
+    for (const Json& stage : report.at("stages"))
+      if (stage.contains("render_tangent_x")) return stage;
+    return Json();
+  };
+  const Json first = place_of("film/t_0001"), middle = place_of("film/t_0002");
+  EXPECT_NEAR(first.at("centre_x_m").get<double>(), 1.5e-3 * 32 / 60, 1e-9);  // digits of the report
+  EXPECT_NEAR(first.at("render_tangent_x").get<double>(), 1.5 / 60, 1e-9);
+  EXPECT_NEAR(middle.at("centre_y_m").get<double>(), -0.3e-3 * 32 / 60, 1e-9);
+  EXPECT_NEAR(middle.at("render_tangent_y").get<double>(), -0.3 / 60, 1e-9);
+  // Both see the wall all over the window. A panel of 0.5 mm shows little of it in eight iterations; 3 dB are for the smaller
+  // light of order 0 aside, and a view of the axis has 10 dB less.
+  EXPECT_NEAR(first.at("lit_fraction_of_render").get<double>(), 1, 1e-9);
+  EXPECT_NEAR(first.at("psnr_db").get<double>(), middle.at("psnr_db").get<double>(), 3);
+  // The hologram's file says so: show sees the same part, to the rounding of the files' half floats.
+  ASSERT_EQ(work.run({"show", "film/t_0001/hologram.png", "-o", "again.exr"}).exit_code, 0);
+  const Image film = load_image(work.path("film/t_0001/film_view.exr")), again = load_image(work.path("again.exr"));
+  const auto mean = [](const Image& image) {
+    return std::accumulate(image.values.begin(), image.values.end(), 0.0) / double(image.values.size());
+  };
+  ASSERT_EQ(again.values.size(), film.values.size());
+  for (size_t i = 0; i < film.values.size(); ++i)
+    ASSERT_NEAR(again.values[i] / mean(again), film.values[i] / mean(film), 1e-2) << i;
 }
 
 // Holograms of waves are for all eyes: those of the first time are taken again.

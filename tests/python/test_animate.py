@@ -151,3 +151,53 @@ def test_a_viewer_who_walks_has_holograms_for_the_measured_eye(tmp_path):
     assert np.array_equal(np.asarray(function.holograms[0]), np.asarray(made.holograms[0]))
     with pytest.raises(ht.Error, match="lasts until 1.2 s"):
         ht.animate(scene, times=[0.5, 1.2], stages=stages)
+
+
+def stages_of(one):
+    return [stage["stage"] for stage in one.report["stages"]]
+
+
+def test_holograms_of_waves_are_taken_again_where_only_the_camera_moves():
+    still = moving(camera={"distances": 0.03, "pupil": 2e-4, "eye": {"0 s": (0, 0, 0.005), "1 s": (1e-4, 0, 0.005)}})
+    still["object"][0]["position"] = (0, 0, -0.03)
+    first, second = ht.animate(still, fps=2)
+    assert "synthesize" in stages_of(first) and "reuse" not in stages_of(first)
+    assert "reuse" in stages_of(second) and "synthesize" not in stages_of(second)
+    fresh = ht.run(ht.Scene(still, time=0.5))
+    assert np.array_equal(np.asarray(second.holograms[0]), np.asarray(fresh.holograms[0]))
+    assert np.array_equal(np.asarray(second.views[0]), np.asarray(fresh.views[0]))
+    assert np.array_equal(np.asarray(second.fields[0][0]), np.asarray(fresh.fields[0][0]))
+    # What moves is computed again.
+    assert all("synthesize" in stages_of(one) for one in ht.animate(moving(), fps=2))
+
+
+def bright_wall(frames=1, **encode):
+    scene = bright_bar((0, 0, -0.03))
+    scene["render"] = {"rows": 12, "columns": 16, "paths": 2}
+    scene["encode"] = {"method": "sgd", "target": "render", "iterations": 6, "target_distances": 0.03, **encode}
+    scene["trace"] = {"frames": frames}
+    return scene
+
+
+def test_a_film_that_goes_on_has_one_number_of_frames():
+    def grows(time):
+        return bright_wall(1 if time < 0.5 else 2)
+
+    made = ht.animate(grows, times="0 0.5 s", from_last=True)
+    assert len(next(made).holograms) == 1
+    with pytest.raises(ht.Error, match=r"expected as many frames at all times of a film .* got 1 at first and 2 at 500 ms; give \[trace\] frames"):
+        next(made)
+    assert [len(one.holograms) for one in ht.animate(grows, times="0 0.5 s")] == [1, 2]
+
+
+def test_rolling_frames_need_the_last_ones():
+    with pytest.raises(ht.Error, match="expected rolling frames in a film that goes on from the last time"):
+        next(ht.animate(bright_wall(2, rolling=True), times="0 0.5 s"))
+    first, second = ht.animate(bright_wall(2, rolling=True), times="0 0.5 s", from_last=True)
+    # The first of the new frames is the last one's second: a display has shown it already.
+    assert np.array_equal(np.asarray(second.holograms[0]), np.asarray(first.holograms[1]))
+
+
+def test_holograms_of_waves_cannot_go_on():
+    with pytest.raises(ht.Error, match="expected from_last only with the method sgd"):
+        next(ht.animate(moving(), fps=2, from_last=True))

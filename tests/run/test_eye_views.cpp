@@ -64,6 +64,58 @@ TEST(EyeboxLight, IsWhereALensSendsIt) {
   expect(0, -1.0e-3, 0, 0, 0);
 }
 
+// A hologram that converges to one eye, moved to another one, converges there: it gathers its light in the pupil there as one that was
+// made for it does. Levels are rounded twice, by 1/512 of a cycle each.
+TEST(MovedToEye, ALensToAnEyeBecomesOneToAnother) {
+  Job job;
+  job.slm = make_panel(256, 192);
+  job.wavelengths = {test_wavelength};
+  job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::render;
+  const Vec3 from{0.2e-3, 0.1e-3, 0.1}, to{-0.5e-3, 0.4e-3, 0.1};
+  job.encode.eye = {to.x, to.y, to.z};
+  job.encode.pupil = 1e-3;
+  job.encode.eyebox = {"0.6 mm"};
+  job.camera.distances = {0.05};
+  const std::vector<Hologram> moved = moved_to_eye({lens_to(job.slm, from)}, {from}, job);
+  const Hologram wanted = lens_to(job.slm, to);
+  int most = 0;  // levels, around the circle
+  for (int j = 0; j < job.slm.grid.ny; ++j)
+    for (int i = 0; i < job.slm.grid.nx; ++i) {
+      const int apart = (moved.front().level(j, i) - wanted.level(j, i) + 256 + 128) % 256 - 128;
+      most = std::max(most, std::abs(apart));
+    }
+  EXPECT_LE(most, 1);
+  EXPECT_GT(light_of_eyebox(job, to, moved).in_pupil, 0.9 * light_of_eyebox(job, to, {wanted}).in_pupil);
+  // The same eye, several eyes and holograms for all places stay.
+  EXPECT_EQ(moved_to_eye({wanted}, {to}, job).front().level.values, wanted.level.values);
+  EXPECT_EQ(moved_to_eye({wanted}, {from, to}, job).front().level.values, wanted.level.values);
+  job.encode.target = EncodeTarget::field;
+  EXPECT_EQ(moved_to_eye({wanted}, {from}, job).front().level.values, wanted.level.values);
+}
+
+// What the eye sees goes with it: of a lens whose phase has a step at x = 0, the step is at Δ = 0.7 mm·50/(50 + 100) = 0.2333 mm to
+// the left, 29 pixels.
+TEST(MovedToEye, WhatIsSeenThroughThePanelMovesWithTheEye) {
+  Job job;
+  job.slm = make_panel(256, 192);
+  job.wavelengths = {test_wavelength};
+  job.encode.method = Encoding::sgd;
+  job.encode.target = EncodeTarget::render;
+  const Vec3 from{0.2e-3, 0, 0.1}, to{-0.5e-3, 0, 0.1};
+  job.encode.eye = {to.x, to.y, to.z};
+  job.encode.pupil = 1e-3;
+  job.camera.distances = {0.05};
+  Hologram stepped = lens_to(job.slm, from);
+  for (int j = 0; j < 192; ++j)
+    for (int i = 128; i < 256; ++i) stepped.level(j, i) = uint16_t((stepped.level(j, i) + 128) % 256);
+  const Hologram moved = moved_to_eye({stepped}, {from}, job).front(), lens = lens_to(job.slm, to);
+  for (const int i : {20, 98, 99, 200}) {
+    const int turned = ((moved.level(90, i) - lens.level(90, i)) % 256 + 256) % 256;
+    EXPECT_NEAR(i < 99 ? (turned + 128) % 256 : turned, 128, 1) << i;
+  }
+}
+
 // The light of a box of 0.6 mm ends half a pupil of 1 mm beside it, at 0.8 mm; a pupil outside has its middle at 1.3 mm.
 TEST(ViewpointsOf, HaveOneBesideTheEyeboxOfEachEye) {
   Job job;

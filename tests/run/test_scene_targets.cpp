@@ -316,16 +316,17 @@ TEST(SceneTargets, AnEyeNearThePanelSeesWhatItsRaysReach) {
 TEST(Eyes, PupilsOfFewFramesAreNearerToTheEye) {
   Job job = squares_for_an_eye();
   job.render.paths = 1;
-  const EyeLight traced = trace_targets(job).eyes.front();
-  const EyeLight light{traced.eye, light_for_pupil(traced.light, test_wavelength, 5e-4, traced.eye.z)};
+  const auto kept = trace_targets(job).eyes;
+  const LightField& light = kept->lights.front().lights.front();
+  const Vec3 eye{1e-4, -5e-5, 0.02};
   const double radius = 0.1e-3 + 0.5e-3 / 12;
   const auto mean_radius = [&](int frames) {
     job.trace.frames = frames;
     double sum = 0, most = 0;
     constexpr int draws = 400;
     for (int update = 0; update < draws; ++update) {
-      const Vec3 at = draw_view_in_box(light, job, {0.02}, update, test_wavelength).pupils.front().centre;
-      const Vec3 aside = at - light.eye;
+      const Vec3 at = draw_view_in_box(eye, light, job, {0.02}, update, test_wavelength).pupils.front().centre;
+      const Vec3 aside = at - eye;
       most = std::max(most, length(aside));
       sum += length(aside);
     }
@@ -414,6 +415,64 @@ TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
   EXPECT_GT(for_eye, fact_of(run(job).report, "look", "psnr_db") + 6);  // half of the error in amplitude, or less
 }
 
+// The light of places around an eye reaches 0.1 mm + 0.5/12 mm + 0.25 mm = 0.392 mm to each side. Two such squares 0.5 mm apart, seen
+// one by one, are as much as 2·0.783² mm²; both in one box are (0.783 + 0.5)·0.783 mm².
+TEST(EyeWalk, IsTheBoxOfItsPlacesIfThatHasNotMoreLight) {
+  const EncodeParams params = squares_for_an_eye().encode;
+  const auto walk = walk_through({{0, 1e-4, 0.02}, {5e-4, 0, 0.02}}, params);
+  ASSERT_TRUE(walk);
+  EXPECT_EQ(walk->low, (Vec3{0, 0, 0.02}));
+  EXPECT_EQ(walk->high, (Vec3{5e-4, 1e-4, 0.02}));
+  EXPECT_FALSE(walk_through({{0, 0, 0.02}, {8e-4, 0, 0.02}}, params));  // 1.583 mm > 2·0.783 mm
+  EXPECT_TRUE(walk_through({{0, 0, 0.02}, {7.5e-4, 0, 0.02}}, params));
+  EXPECT_FALSE(walk_through({{0, 0, 0.02}, {1e-4, 0, 0.021}}, params)) << "in two planes";
+  EXPECT_FALSE(walk_through({}, params));
+}
+
+// Light of a walk serves each of its places, and that of a place only this one. Of a wall that sends the same light everywhere the views
+// are those of light that is traced for the place alone.
+TEST(EyeWalk, ItsLightIsThatOfEachPlace) {
+  Job job = squares_for_an_eye();
+  job.scene.meshes.resize(1);
+  job.scene.meshes.front().positions = {
+      {-5e-3, -5e-3, -0.02}, {5e-3, -5e-3, -0.02}, {5e-3, 5e-3, -0.02}, {-5e-3, 5e-3, -0.02}};
+  job.render.paths = 8;
+  const auto at = [&](double x) {
+    Job moved = job;
+    moved.encode.eye = {x, 0, 0.02};
+    moved.camera.eye = {x, 0, 0.02};
+    moved.chosen = {{"encode.eye", std::to_string(x), ""}};
+    return moved;
+  };
+  const EyeWalk walk{{-2e-4, 0, 0.02}, {3e-4, 0, 0.02}};
+  const SceneTargets first = trace_targets(at(-2e-4), {}, {nullptr, walk});
+  for (const double x : {-2e-4, 0.0, 3e-4}) {
+    const Job here = at(x);
+    const SceneTargets again = trace_targets(here, {}, {first.eyes, walk}), alone = trace_targets(here);
+    EXPECT_EQ(again.eyes, first.eyes) << x;
+    EXPECT_EQ(again.distances, alone.distances);
+    const ViewTargets seen = targets_of(again, here, {test_wavelength}).views.front();
+    const ViewTargets expected = targets_of(alone, here, {test_wavelength}).views.front();
+    EXPECT_EQ(seen.picture, expected.picture);
+    ASSERT_EQ(seen.amplitudes.front().size(), expected.amplitudes.front().size());
+    double most = 0;
+    for (size_t i = 0; i < seen.amplitudes.front().size(); ++i) {
+      most = std::max(most, double(expected.amplitudes.front().values[i]));
+      // Cells at other places are cut by the panel's edge a little differently: by 1/3 of a pupil's light there.
+      ASSERT_NEAR(seen.amplitudes.front().values[i], expected.amplitudes.front().values[i], 0.05 * most)
+          << x << " " << i;
+    }
+    EXPECT_GT(most, 0);
+  }
+  EXPECT_NE(trace_targets(at(5e-4), {}, {first.eyes, walk}).eyes, first.eyes) << "beyond the walk";
+  Job other = at(0);
+  other.scene.materials.front() = Material{};
+  EXPECT_NE(trace_targets(other, {}, {first.eyes, walk}).eyes, first.eyes) << "another scene";
+  const SceneTargets still = trace_targets(at(0));
+  EXPECT_EQ(trace_targets(at(0), {}, {still.eyes, {}}).eyes, still.eyes) << "an eye that rests";
+  EXPECT_NE(trace_targets(at(1e-5), {}, {still.eyes, {}}).eyes, still.eyes);
+}
+
 TEST(Eyes, OfSeveralEachGetsItsPicture) {
   Job job = two_squares();
   job.encode.eye = {-4e-4, 0, 0.02, 4e-4, 0, 0.02};
@@ -421,7 +480,7 @@ TEST(Eyes, OfSeveralEachGetsItsPicture) {
   job.encode.eyebox = {"0.1 mm"};
   job.trace.frames = 2;
   const SceneTargets targets = trace_targets(with_eyes(job));
-  ASSERT_EQ(targets.eyes.size(), 2u);
+  ASSERT_EQ(targets.eyes->lights.front().lights.size(), 2u);
   for (const double x : {-4e-4, 4e-4}) {
     job.camera.eye = {x, 0, 0.02};
     job.encode.iterations = 1;
@@ -441,9 +500,9 @@ TEST(Eyes, SeeWhatIsInFrontOfThePanel) {
   for (Vec3& p : job.scene.meshes.front().positions) p.z = 5e-3;
   job.scene.meshes.resize(1);
   job.camera.distances = {-5e-3};
-  const EyeLight traced = trace_targets(job).eyes.front();
-  const EyeLight light{traced.eye, light_for_pupil(traced.light, test_wavelength, 5e-4, traced.eye.z)};
-  const ViewTargets view = view_of_eye(light, job, -5e-3, test_wavelength);
+  const auto kept = trace_targets(job).eyes;
+  const ViewTargets view =
+      view_of_eye({-2e-4, 0, 0.02}, kept->lights.front().lights.front(), job, -5e-3, test_wavelength);
   EXPECT_EQ(view.z, 5e-3);
   double sum = 0, x = 0, y = 0, wide = 0;
   for (int j = 0; j < view.picture.ny; ++j)

@@ -104,6 +104,29 @@ TEST(Render, APointAtAKnownPlaceLandsInItsPixel) {
   }
 }
 
+// A direction of n pixels to the right and m up moves everything as far to the left and down, for an eye anywhere: the window is in the
+// plane in focus, in which the wall is. Its left and lower edges are between pixels, so nothing is random.
+TEST(Render, AzimuthAndElevationMoveTheWindow) {
+  const double t = std::tan(10_deg), pixel = t / 10;  // 20 rows
+  Scene scene;
+  scene.materials = {grey(0, 1)};
+  scene.meshes = {make_test_quad({2 * pixel * 0.3 + 1, 1 * pixel * 0.3 + 1, -0.3}, {1, 0, 0}, {0, 1, 0})};
+  RenderParams params{.columns = 20, .rows = 20, .field_of_view = 10_deg, .focus = 0.3, .paths = 4};
+  for (const Vec3 eye : {Vec3{}, Vec3{1_mm, -2_mm, 0.1}}) {
+    params.eye = eye;
+    params.azimuth = std::atan(5 * pixel);
+    params.elevation = std::atan(-3 * pixel);
+    scene.points = {{{(8 + 0.5) * pixel * 0.3, (-9 + 0.5) * pixel * 0.3, -0.3}, 1.0F, 0}};
+    const Image image = render(scene, render_panel, green_light, params);
+    // The wall begins at 2 and 1 pixels, the window at 5 − 10 and −3 + 10; the point's pixel is (8, −9).
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 20; ++i) {  // 1e-6: rounding of the place moves a little light
+        const bool is_point = j == 7 + 8 && i == 8 + 5;
+        EXPECT_EQ(image(j, i) > 1e-6 * image(15, 13), is_point || (i >= 2 + 5 && j < 7 - 1)) << j << " " << i;
+      }
+  }
+}
+
 TEST(Render, APointBetweenPixelsSharesItsLight) {
   Scene scene;
   const double pixel = std::tan(10_deg) / 10 * 0.25;  // 20 rows span 2T

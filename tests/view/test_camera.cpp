@@ -130,6 +130,48 @@ TEST(Camera, ASensorOffTheAxisSeesItsPartOfTheView) {
   EXPECT_EQ(look(shown, slm, 0.03, {}, camera).values, part.values);
 }
 
+// By similar triangles the line from the eye through the panel's centre meets the plane at the distance d at −e·d/e_z; of the
+// real image, which is before the panel, at e·d/e_z.
+TEST(Camera, TheWindowOfAnEyeIsWhatItSeesThroughThePanelsMiddle) {
+  const Slm slm = make_panel(128, 96);
+  CameraParams camera;
+  camera.pupil = 0.4_mm;
+  camera.eye = {0.6_mm, -0.3_mm, 40_mm};
+  for (const ImageSide image : {ImageSide::virtual_image, ImageSide::real_image})
+    for (const double distance : {20_mm, -20_mm}) {
+      Field shown = point_field(slm, 0.02);
+      shown.image = image;
+      const double side = (image == ImageSide::virtual_image ? -1 : 1) * (distance > 0 ? 1 : -1);
+      CameraParams by_hand = camera;
+      by_hand.centre_x = side * 0.3_mm + 2 * test_pitch;
+      by_hand.centre_y = -side * 0.15_mm;
+      CameraParams follows = camera;
+      follows.window = ViewWindow::eye;
+      follows.centre_x = 2 * test_pitch;  // is counted from there
+      const Image seen = look(shown, slm, distance, {}, follows), expected = look(shown, slm, distance, {}, by_hand);
+      EXPECT_NEAR(seen.centre_x, by_hand.centre_x, 1e-15);  // rounding
+      EXPECT_NEAR(seen.centre_y, by_hand.centre_y, 1e-15);
+      EXPECT_LT(difference(seen, expected), 1e-5);  // float transforms of a window that moved by 1e-19 m
+    }
+}
+
+// Without a pupil, or with an eye on the panel, there is nothing to follow.
+TEST(Camera, AWindowFollowsAnEyeWithAPupilBeforeThePanel) {
+  CameraParams camera{.window = ViewWindow::eye};
+  camera.eye = {1_mm, 0, 0.1};
+  EXPECT_EQ(middle_of_window(camera, 0.3, ImageSide::virtual_image).x, 0);
+  camera.pupil = 2_mm;
+  EXPECT_EQ(middle_of_window(camera, 0.3, ImageSide::virtual_image).x, -0.01);
+  EXPECT_EQ(camera_in(viewing_conditions(camera)).window, ViewWindow::eye);  // as files of holograms have it
+  camera.eye.z = 0;
+  EXPECT_EQ(middle_of_window(camera, 0.3, ImageSide::virtual_image).x, 0);
+  camera.eye.z = 0.1;
+  for (const ViewWindow window : {ViewWindow::axis, ViewWindow::automatic}) {
+    camera.window = window;
+    EXPECT_EQ(middle_of_window(camera, 0.3, ImageSide::virtual_image).x, 0);
+  }
+}
+
 TEST(Camera, ARenderIsSeenWhereTheSensorIs) {
   Image render(60, 60, 1), sensor(30, 30, 1);
   for (int j = 0; j < 60; ++j)

@@ -19,13 +19,15 @@ struct ViewingConditions {
   std::vector<double> distances{};  ///< distances from the panel to the planes in focus [m], ≥ 0; empty: unknown
   double pupil = 0;                 ///< diameter of the eye's pupil or the lens [m]; 0: all light that leaves the panel
   Vec3 eye{0, 0, 0};                ///< position of that pupil [m], z ≥ 0
+  bool follows_eye = false;         ///< the view's window is ViewWindow::eye
 
   bool are_known() const { return !distances.empty(); }
 };
 
 /// The viewing conditions of a camera. Without a pupil the eye's position has no effect, and is left out.
 inline ViewingConditions viewing_conditions(const CameraParams& camera) {
-  return {camera.distances, camera.pupil, camera.pupil > 0 ? camera.eye : Vec3{0, 0, 0}};
+  if (camera.pupil == 0) return {camera.distances};
+  return {camera.distances, camera.pupil, camera.eye, camera.window == ViewWindow::eye};
 }
 
 /// The camera in these conditions; the default camera where they are unknown.
@@ -35,6 +37,7 @@ inline CameraParams camera_in(const ViewingConditions& viewing) {
   camera.distances = viewing.distances;
   camera.pupil = viewing.pupil;
   camera.eye = viewing.eye;
+  if (viewing.follows_eye) camera.window = ViewWindow::eye;
   return camera;
 }
 

@@ -107,8 +107,9 @@ void members(Archive& archive, Slm& noun) {
 
 template <class Archive>
 void members(Archive& archive, ViewingConditions& noun) {
-  auto& [distances, pupil, eye] = noun;
-  archive(required_key("distances_m", distances), key_if_set("pupil_m", pupil), key("eye_m", eye, pupil > 0));
+  auto& [distances, pupil, eye, follows_eye] = noun;
+  archive(required_key("distances_m", distances), key_if_set("pupil_m", pupil), key("eye_m", eye, pupil > 0),
+          key_if_set("view_follows_eye", follows_eye));
 }
 
 template <class Archive>

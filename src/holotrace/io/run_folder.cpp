@@ -136,7 +136,11 @@ std::optional<RenderOfView> render_of_view(const std::string& view) {
       continue;
     RenderOfView found;
     try {
-      visit_place([&](const char* name, auto& value) { stage.at(name).get_to(value); }, found.place);
+      visit_place(
+          [&](const char* name, auto& value) {
+            if (stage.contains(name)) stage.at(name).get_to(value);
+          },
+          found.place);
       stage.at(place_wavelengths).get_to(found.place.wavelengths);
     } catch (const nlohmann::json::exception&) {
       return std::nullopt;

@@ -123,7 +123,11 @@ class Chooser {
     choose_effort();
     choose_render();
     if (!aims_at_scene(job_)) choose_raster();
-    return aims_at_scene(job_) ? with_eyes(std::move(job_)) : std::move(job_);
+    if (aims_at_scene(job_)) job_ = with_eyes(std::move(job_));
+    if (job_.camera.window == ViewWindow::automatic && (job_.tracked || aims_at_eyes(job_)))
+      set("camera.window", job_.camera.window, ViewWindow::eye, "eye",
+          job_.tracked ? "the eye moves" : "the holograms are for an eye");
+    return std::move(job_);
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/scene_targets.h"
@@ -64,42 +65,73 @@ size_t plane_of_update(size_t planes, uint64_t seed, int update) {
   return order[size_t(update) % planes];
 }
 
-ViewTargets view_from(const EyeLight& eye, const Job& job, double distance, double wavelength, const Vec3& middle) {
+ViewTargets view_from(const Vec3& eye, const LightField& light, const Job& job, double distance, double wavelength,
+                      const Vec3& middle) {
   const Grid& panel = job.slm.grid;
-  const PlanePart part = covered_part(eye.eye, job.encode);
+  const PlanePart part = covered_part(eye, job.encode);
   const Pupil pupil{middle, pupil_of(job.encode)};
-  const Vec2 seen = seen_size(job, part, eye.eye.z, distance);
-  return views_of(eye.light, job, distance, wavelength, {pupil}, pupil_window_grid(panel, part),
+  const Vec2 seen = seen_size(job, part, eye.z, distance);
+  return views_of(light, job, distance, wavelength, {pupil}, pupil_window_grid(panel, part),
                   picture_grid(panel, seen.x, seen.y, pupil, wavelength, -distance));
 }
 
 }  // namespace
 
+std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const EncodeParams& params) {
+  if (places.empty()) return {};
+  EyeWalk walk{places.front(), places.front()};
+  for (const Vec3& place : places) {
+    walk.low = {std::min(walk.low.x, place.x), std::min(walk.low.y, place.y), std::min(walk.low.z, place.z)};
+    walk.high = {std::max(walk.high.x, place.x), std::max(walk.high.y, place.y), std::max(walk.high.z, place.z)};
+  }
+  if (walk.low.z != walk.high.z) return {};
+  const auto area = [](const Vec2& low, const Vec2& high) { return (high.x - low.x) * (high.y - low.y); };
+  const PlanePart one = covered_part(walk.low, params), other = covered_part(walk.high, params);
+  if (area(one.low, other.high) > double(places.size()) * area(one.low, one.high)) return {};
+  return walk;
+}
+
+namespace {
+
+// The light field of places of pupils in a part of the plane z, about its middle.
+LightFieldParams field_for(const Job& job, double distance, const PlanePart& part, const Vec3& middle) {
+  const double diameter = pupil_of(job.encode), cell = diameter / 3;
+  const auto cells = [&](double low, double high) { return int(std::ceil((high - low) / cell * (1 - 1e-9))); };
+  LightFieldParams field{.columns = cells(part.low.x, part.high.x), .rows = cells(part.low.y, part.high.y)};
+  field.lens = {field.columns, field.rows, cell, middle.x, middle.y};
+  field.lens_z = middle.z;
+  field.distance = distance;
+  const Vec2 seen = seen_size(job, part, middle.z, distance);
+  const double pixel =
+      *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + middle.z) / (4 * diameter);
+  field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
+  return field;
+}
+
+LightFieldParams field_for(const Job& job, double distance, const EyeWalk& walk) {
+  const PlanePart low = covered_part(walk.low, job.encode), high = covered_part(walk.high, job.encode);
+  return field_for(job, distance, {low.low, high.high}, (walk.low + walk.high) / 2);
+}
+
+double pixels_of(const LightFieldParams& field) { return double(field.plane.pixels()) * field.columns * field.rows; }
+
+}  // namespace
+
 std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const RenderParams& params,
-                                      const Observer& observer) {
+                                      const Observer& observer, const std::optional<EyeWalk>& walk) {
   std::vector<EyeLight> lights;
   const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
   const double diameter = pupil_of(job.encode);
   const std::vector<Vec3> eyes = eyes_of(job.encode);
   for (const Vec3& eye : eyes) {
-    const PlanePart part = covered_part(eye, job.encode);
-    const double cell = diameter / 3;
-    const auto cells = [&](double low, double high) { return int(std::ceil((high - low) / cell * (1 - 1e-9))); };
-    LightFieldParams field{.columns = cells(part.low.x, part.high.x), .rows = cells(part.low.y, part.high.y)};
-    field.lens = {field.columns, field.rows, cell, eye.x, eye.y};
-    field.lens_z = eye.z;
-    field.distance = distance;
-    const Vec2 seen = seen_size(job, part, eye.z, distance);
-    const double pixel =
-        *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + eye.z) / (4 * diameter);
-    field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
-    const double pixels = double(field.plane.pixels()) * field.columns * field.rows;
-    if (pixels > many_pixels)
+    const LightFieldParams field =
+        walk ? field_for(job, distance, *walk) : field_for(job, distance, covered_part(eye, job.encode), eye);
+    if (pixels_of(field) > many_pixels)
       observer.warn(fmt::format(
           "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {} in all, and take long; use a "
           "smaller eyebox or pupil, or an eye farther from the panel",
           format_length(eye.z), field.plane.nx, field.plane.ny, field.columns, field.rows,
-          format_bytes(3 * sizeof(float) * pixels)));
+          format_bytes(3 * sizeof(float) * pixels_of(field))));
     RenderParams of_eye = params;
     const double area = field.lens.width() * field.lens.height();
     of_eye.paths = std::max(1, int(std::lround(paths_per_pixel(params) * area / (pi / 4 * diameter * diameter))));
@@ -107,6 +139,20 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
                                              part_of(observer, int(lights.size()), int(eyes.size())))});
   }
   return lights;
+}
+
+bool has_light_for(const LightField& light, const Vec3& eye, const EncodeParams& params) {
+  constexpr double rounding = 1e-9;
+  const PlanePart part = covered_part(eye, params);
+  const double right = light.left() + light.cell_width() * light.columns,
+               low = light.top() - light.cell_height() * light.rows;
+  return std::abs(light.lens_z - eye.z) < rounding && part.low.x > light.left() - rounding &&
+         part.high.x < right + rounding && part.low.y > low - rounding && part.high.y < light.top() + rounding;
+}
+
+double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk) {
+  constexpr double floats_of_sums = 4, of_picture = 3;
+  return (floats_of_sums + of_picture) * sizeof(float) * pixels_of(field_for(job, distance, walk));
 }
 
 LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z) {
@@ -173,8 +219,8 @@ ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const
                   picture_grid(panel, panel.width(), panel.height(), pupils.front(), wavelength, -distance));
 }
 
-ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vector<double>& distances, int update,
-                             double wavelength) {
+ViewTargets draw_view_in_box(const Vec3& eye, const LightField& light, const Job& job,
+                             const std::vector<double>& distances, int update, double wavelength) {
   const Eyebox box = drawn_box(job.encode);
   CounterRandom random(uint64_t(job.encode.seed), 3, uint64_t(update));
   const double distance = distances[plane_of_update(distances.size(), uint64_t(job.encode.seed), update)];
@@ -186,11 +232,11 @@ ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vec
   } while (out > 1);
   // Few frames cannot serve the whole box equally well, so more of their pupils are near the eye.
   const double inwards = std::pow(out, 2.0 / std::max(1, job.trace.frames));
-  return view_from(eye, job, distance, wavelength, eye.eye + Vec3{x, y, 0} * inwards);
+  return view_from(eye, light, job, distance, wavelength, eye + Vec3{x, y, 0} * inwards);
 }
 
-ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength) {
-  return view_from(eye, job, distance, wavelength, eye.eye);
+ViewTargets view_of_eye(const Vec3& eye, const LightField& light, const Job& job, double distance, double wavelength) {
+  return view_from(eye, light, job, distance, wavelength, eye);
 }
 
 Job at_measured_eye(Job job) {
@@ -213,6 +259,37 @@ std::vector<Viewpoint> viewpoints_of(const Job& job) {
     from.push_back({ViewKind::beside, "look from beside the eyebox", camera.distances.front(), 0, camera});
   }
   return from;
+}
+
+std::vector<Hologram> moved_to_eye(std::vector<Hologram> last, const std::vector<Vec3>& eyes_before, const Job& job) {
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  if (!aims_at_eyes(job) || eyes.size() != 1 || eyes_before.size() != 1 || eyes_before == eyes) return last;
+  const Vec3 &from = eyes_before.front(), &to = eyes.front();
+  const Grid& panel = job.slm.grid;
+  const double distance = job.camera.distances.front(), part = distance / (from.z + distance) / panel.pitch;
+  const int right = int(std::lround((to.x - from.x) * part)), up = int(std::lround((to.y - from.y) * part));
+  for (Hologram& hologram : last) {
+    const double turn =
+        DrivenPanel(known_panel(job.slm, job.encode), hologram, hologram.wavelength, 1).levels_per_cycle();
+    if (hologram.modulation != Modulation::phase || turn == 0 || hologram.level.nx != panel.nx ||
+        hologram.level.ny != panel.ny)
+      continue;
+    const Hologram before = hologram;
+    const auto converging = [&](const Vec3& eye, int column, int row) {
+      return (eye.z - length(eye - Vec3{panel.x(column), panel.y(row), 0})) / hologram.wavelength;
+    };
+    parallel_for(0, panel.ny, [&](int64_t j) {
+      const int row = std::clamp(int(j) + up, 0, panel.ny - 1);
+      for (int i = 0; i < panel.nx; ++i) {
+        const int column = std::clamp(i - right, 0, panel.nx - 1);
+        const double cycles =
+            before.level(row, column) / turn - converging(from, column, row) + converging(to, i, int(j));
+        hologram.level(int(j), i) =
+            uint16_t(int64_t(std::lround(turn * (cycles - std::floor(cycles)))) % int64_t(turn));
+      }
+    });
+  }
+  return last;
 }
 
 EyeboxLight light_of_eyebox(const Job& job, const Vec3& eye, const std::vector<Hologram>& frames) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "holotrace/base/observer.h"
@@ -18,14 +19,30 @@ struct EyeLight {
   LightField light{};  ///< of the panel, or of the places around the eye
 };
 
+/// The box of all places of an eye that walks in a plane parallel to the panel.
+struct EyeWalk {
+  Vec3 low, high;  ///< corners [m]; of one z
+};
+
+/// The walk through places of an eye, if it is in one plane, and not more light is seen from all of it than from the eyeboxes at each
+/// place, one by one.
+std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const EncodeParams& params);
+
 /// The light for each eye of a job: that of the places which pupils cover when their middles are in the eyebox.
 ///
 /// Cells of the light field are at most a third of a pupil wide, and pixels in its plane half as wide as the finest detail
 /// that a pupil shows. Each pixel has, within a pupil, as many paths as `render.paths` in the mean.
+/// @param walk     the light of one eye is traced for all its places there; none: for where it is
 /// @throws Error  for an eye that no ray from the panel's window reaches within the panel's acceptance, naming the nearest
 ///                place; and as trace_light_field does
 std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const RenderParams& params,
-                                      const Observer& observer = {});
+                                      const Observer& observer = {}, const std::optional<EyeWalk>& walk = {});
+
+/// Whether a light field holds all that pupils in the eyebox of an eye see.
+bool has_light_for(const LightField& light, const Vec3& eye, const EncodeParams& params);
+
+/// Bytes of the light that is traced for a walk.
+double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk);
 
 /// A light field in the light of one wavelength, with the blur of a pupil of that diameter at z (limit_to_pupil): its pictures,
 /// of one channel, then hold no detail that the samples of views miss.
@@ -48,9 +65,19 @@ ViewTargets draw_views_everywhere(const LightField& light, const Job& job, const
 
 /// Views of one pupil: anywhere in the box of an eye, or in its middle. The pictures hold all that the pupil sees through the
 /// panel.
-ViewTargets draw_view_in_box(const EyeLight& eye, const Job& job, const std::vector<double>& distances, int update,
-                             double wavelength);
-ViewTargets view_of_eye(const EyeLight& eye, const Job& job, double distance, double wavelength);
+ViewTargets draw_view_in_box(const Vec3& eye, const LightField& light, const Job& job,
+                             const std::vector<double>& distances, int update, double wavelength);
+ViewTargets view_of_eye(const Vec3& eye, const LightField& light, const Job& job, double distance, double wavelength);
+
+/// Holograms of the last picture for an eye elsewhere as a start for the eye of a job. What the eye at e' sees through the panel at x,
+/// the eye at e saw through x − Δ; and the wave that converged to e converges to e':
+///
+///     φ'(x) = φ(x − Δ) − c(x − Δ, e) + c(x, e'),   c(x, e) = 2π·(e_z − |e − x|)/λ,   Δ = (e' − e)·d/(e_z + d)
+///
+/// d is the first distance of the camera; what is at other depths moves by parallax. Δ is rounded to whole pixels, and light that no
+/// pixel had is that of the nearest one. Panels that modulate not only the phase, or not all of it, and several eyes keep their
+/// holograms.
+std::vector<Hologram> moved_to_eye(std::vector<Hologram> last, const std::vector<Vec3>& eyes_before, const Job& job);
 
 /// Where the light of holograms goes about an eye: fractions of the panel's light, in the mean of the frames.
 struct EyeboxLight {

@@ -57,8 +57,9 @@ std::vector<double> seen_wavelengths(const Job& job, const CombinedViews& sum) {
 ViewPlace place_of(const Job& job, const CombinedViews& sum, const Image& view, double distance, size_t render,
                    double half_tangent) {
   const double m = magnification(job.camera, distance, job.encode.image);
-  return {int64_t(render) + 1,       half_tangent, distance, view.pitch / m, view.centre_x / m, view.centre_y / m,
-          seen_wavelengths(job, sum)};
+  const Vec2 middle = middle_of_renders(job, distance);
+  return {int64_t(render) + 1,        half_tangent, distance, view.pitch / m, view.centre_x / m, view.centre_y / m,
+          seen_wavelengths(job, sum), middle.x,     middle.y};
 }
 
 void report_place(const ViewPlace& place, const Observer& observer) {
@@ -274,7 +275,7 @@ std::vector<Sources> points_to_focus(const Job& job) {
 }  // namespace
 
 RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf& checkpoint_of, ProcessLinks* links,
-               const EarlierRun* earlier, const std::vector<Hologram>& last) {
+               const EarlierRun* earlier, const std::vector<Hologram>& last, const std::optional<EyeWalk>& walk) {
   const Job job = with_shutter_of_run(choose_missing(given));
   require(
       last.empty() || aims_at_scene(job),
@@ -299,8 +300,9 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   if (aims_at_scene(job)) {
     targets = stage("focal stack", [&](const Observer& o) {
       o.fact("seed", job.render.seed);
-      return trace_targets(job, o);
+      return trace_targets(job, o, {earlier ? earlier->results.eye_light : nullptr, walk});
     });
+    b.eye_light = targets->eyes;
     made = stage("render", [&](const Observer& o) { return references_of_scene(job, *targets, o); });
   } else {
     made = make_references(job, b.report, watch);
@@ -384,7 +386,8 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
     if (b.viewpoints[i].kind != ViewKind::measured) continue;
     std::vector<Image> view{sums[i].image()};
     const double distance = b.viewpoints[i].distance;
-    const ViewPlace place = place_of(job, sums[i], view.front(), distance, 0, half_tangent_of(job, distance));
+    const ViewPlace place =
+        place_of(at_measured_eye(job), sums[i], view.front(), distance, 0, half_tangent_of(job, distance));
     const ViewReference reference = reference_of(job, measured, view.front(), place);
     read_views(view, b.white, ViewKind::measured, job.camera);
     showing.repeat.finish(b.viewpoints[i].stage, [&](const Observer& o) {

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "holotrace/base/process_links.h"
@@ -14,6 +16,7 @@
 #include "holotrace/data/report.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/run/scene_light.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/run/stage.h"
 #include "holotrace/run/view_holograms.h"
 #include "holotrace/run/viewing.h"
@@ -44,7 +47,8 @@ struct RunResults {
   ViewSeries stereo_views;
   /// With job.encode.eye: what an eye sees that is beside the eyebox of each eye, exposed like the views.
   std::vector<Image> views_beside;
-  std::vector<Viewpoint> viewpoints;  ///< viewpoints of all views
+  std::vector<Viewpoint> viewpoints;              ///< viewpoints of all views
+  std::shared_ptr<const KeptEyeLight> eye_light;  ///< of holograms for eyes, for the next time of a film
   Report report;
 };
 
@@ -79,13 +83,16 @@ using CheckpointOf = std::function<Checkpoint(size_t i)>;
 /// all, the facts as merge_fact adds them up (base/observer.h), the curves of the first, and each warning once.
 /// @param earlier  a run whose holograms of waves are taken again if nothing that they depend on is different, as where only the
 ///               eye moves: the results, and so all bytes, are the same. The report then has the stage "reuse".
+///               The light of a resting scene for eyes is taken again if it reaches as far as those of this job see.
 /// @param links  to other processes, which take frames of holograms that are found together; none: this one is alone
 /// @param last   holograms of the last picture of a film, in the order of RunResults::holograms, from which those that aim at the
 ///               scene's light go on (encode_frames); none: they start afresh
+/// @param walk   the places of the eye over a film: its light is traced for all of them at once, if it is not taken again. That costs
+///               most_bytes_of_walk at most; a longer walk is traced for each place alone. Other paths are drawn than without a walk
 /// @throws Error  as the stages do; before the first stage if the job does not fit in the machine's memory
 RunResults run(const Job& given, const StageObserver& watch = {}, const CheckpointOf& checkpoint_of = {},
                ProcessLinks* links = nullptr, const EarlierRun* earlier = nullptr,
-               const std::vector<Hologram>& last = {});
+               const std::vector<Hologram>& last = {}, const std::optional<EyeWalk>& walk = {});
 
 /// Checks a job before the first stage of `run`.
 /// @throws Error  for no wavelength, one that is not above 0 or given twice, fewer than 1 frame, a camera without

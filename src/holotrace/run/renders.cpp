@@ -12,8 +12,10 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/denoise/denoise.h"
+#include "holotrace/run/scene_targets.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/render.h"
+#include "holotrace/view/camera.h"
 #include "holotrace/view/pupil_picture.h"
 #include "holotrace/view/stereo.h"
 
@@ -78,11 +80,24 @@ void render_brightest(const Job& job, const RenderParams& params, HalvedRender& 
                    1);
 }
 
+// The picture has the middle of the views at a distance.
+void follow_window(const Job& job, double distance, RenderParams& params) {
+  const Vec2 middle = middle_of_renders(job, distance);
+  params.azimuth = std::atan(middle.x);
+  params.elevation = std::atan(middle.y);
+}
+
 PlannedRender of_waves(const Job& job, const std::string& stage, const RenderParams& params) {
   return {stage, light_of_waves(job, params)};
 }
 
 }  // namespace
+
+Vec2 middle_of_renders(const Job& job, double distance) {
+  if (job.camera.window == ViewWindow::eye || aims_at_scene(job))
+    return middle_of_window(job.camera, distance, job.encode.image);
+  return {std::tan(job.render.azimuth), std::tan(job.render.elevation)};
+}
 
 RenderParams light_of_waves(const Job& job, RenderParams params) {
   params.has_background = false;
@@ -100,12 +115,16 @@ std::vector<PlannedRender> plan_renders(const Job& job) {
   if (job.render.reference == Reference::none) return {};
   RenderParams params = job.render;
   if (is_quick(job)) params.paths = quick_paths(params.paths);
-  if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{}) return {of_waves(job, "render", params)};
+  if (job.render.lens == Lens::pinhole && job.render.eye == Vec3{}) {
+    follow_window(job, job.camera.distances.front(), params);
+    return {of_waves(job, "render", params)};
+  }
   std::vector<PlannedRender> renders;
   const bool is_one = job.camera.distances.size() == 1;
   for (const double distance : job.camera.distances) {
     renders.push_back(of_waves(job, is_one ? "render" : "render focused at " + format_length(distance), params));
     renders.back().params.focus = distance;
+    follow_window(job, distance, renders.back().params);
   }
   return renders;
 }
@@ -160,6 +179,7 @@ std::vector<Image> trace_half(const Job& job, RenderParams params, const Observe
   std::vector<Image> pictures;
   for (size_t d = 0; d < distances.size(); ++d) {
     params.focus = distances[d];
+    follow_window(job, distances[d], params);
     params.field_of_view = std::atan(panel.height() / 2 / std::abs(distances[d]));
     pictures.push_back(
         render(exposure_of(job), panel, wavelength, params, part_of(observer, int(d), int(distances.size()))));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "holotrace/base/observer.h"
+#include "holotrace/base/vec.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/job.h"
 #include "holotrace/data/light_field.h"
@@ -26,6 +27,10 @@ std::vector<PlannedRender> plan_renders(const Job& job);
 /// What each eye of a viewer would see of the scene itself, focused where the holographic pair is; empty without
 /// job.render.eye_separation.
 std::vector<PlannedRender> plan_stereo_renders(const Job& job);
+
+/// Direction of the middle of the renders that a run compares views at a distance with, as tangents from the panel's centre: that of the
+/// views, or what [render] says.
+Vec2 middle_of_renders(const Job& job, double distance);
 
 /// Parameters of a render that shows the light which makes waves: that of the job's path expressions, without the background.
 RenderParams light_of_waves(const Job& job, RenderParams params);

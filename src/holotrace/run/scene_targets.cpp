@@ -11,6 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/renders.h"
+#include "holotrace/run/reuse.h"
 #include "holotrace/trace/depth_range.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/view/combine_views.h"
@@ -235,6 +236,41 @@ const std::vector<Light>& lights_at(const std::vector<OfWavelength<Light>>& all,
   fail("expected light at {}, got none", format_length(wavelength));
 }
 
+const std::vector<LightField>& light_of(const KeptEyeLight& kept, double wavelength) {
+  for (const KeptEyeLight::OfWavelength& one : kept.lights)
+    if (one.wavelength == wavelength) return one.lights;
+  fail("expected light at {}, got none", format_length(wavelength));
+}
+
+// Whether the light for eyes of another time is that of this one, too: of a walk, if it reaches as far; else of the same places.
+bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause, bool is_walk) {
+  if (kept.cause != cause) return false;
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  const std::vector<LightField>& lights = kept.lights.front().lights;
+  for (size_t e = 0; e < eyes.size(); ++e)
+    if (is_walk ? !has_light_for(lights[e], eyes[e], job.encode)
+                : lights[e].lens.centre_x != eyes[e].x || lights[e].lens.centre_y != eyes[e].y)
+      return false;
+  return true;
+}
+
+std::shared_ptr<const KeptEyeLight> light_for_eyes(const Job& job, uint64_t cause, const std::vector<double>& distances,
+                                                   const RenderParams& params, const Observer& observer,
+                                                   const std::optional<EyeWalk>& walk) {
+  auto kept = std::make_shared<KeptEyeLight>();
+  kept->cause = cause;
+  kept->distances = distances;
+  const double middle = distances[distances.size() / 2];
+  const bool is_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
+  const std::vector<EyeLight> eyes = trace_eye_light(job, middle, params, observer, is_walk ? walk : std::nullopt);
+  for (const double wavelength : job.wavelengths) {
+    kept->lights.push_back({wavelength, {}});
+    for (const EyeLight& eye : eyes)
+      kept->lights.back().lights.push_back(light_for_pupil(eye.light, wavelength, pupil_of(job.encode), eye.eye.z));
+  }
+  return kept;
+}
+
 void add_views_everywhere(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths,
                           TargetSet& set) {
   const Pupil pupil = camera_pupil(job);
@@ -247,24 +283,20 @@ void add_views_everywhere(const SceneTargets& targets, const Job& job, const std
   };
 }
 
+// The light of eyes at a wavelength. Pictures are shared by all.
 void add_views_of_eyes(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths,
                        TargetSet& set) {
-  std::vector<OfWavelength<EyeLight>> lights;
-  for (const double wavelength : wavelengths) {
-    lights.push_back({wavelength, {}});
-    for (const EyeLight& eye : targets.eyes) {
-      lights.back().lights.push_back(
-          {eye.eye, light_for_pupil(eye.light, wavelength, pupil_of(job.encode), eye.eye.z)});
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  for (const double wavelength : wavelengths)
+    for (size_t e = 0; e < eyes.size(); ++e)
       for (const double distance : targets.distances)
-        set.views.push_back(view_of_eye(lights.back().lights.back(), job, distance, wavelength));
-    }
-  }
-  for (const EyeLight& eye : targets.eyes) set.eyes.push_back(eye.eye);
-  set.draw_views = [job = &job, distances = targets.distances, lights = std::move(lights)](int update,
-                                                                                           double wavelength) {
-    const std::vector<EyeLight>& eyes = lights_at(lights, wavelength);
-    const int rounds = update / int(eyes.size());
-    return draw_view_in_box(eyes[size_t(update) % eyes.size()], *job, distances, rounds, wavelength);
+        set.views.push_back(view_of_eye(eyes[e], light_of(*targets.eyes, wavelength)[e], job, distance, wavelength));
+  set.eyes = eyes;
+  set.draw_views = [job = &job, eyes, distances = targets.distances, kept = targets.eyes](int update,
+                                                                                          double wavelength) {
+    const size_t eye = size_t(update) % eyes.size();
+    return draw_view_in_box(eyes[eye], light_of(*kept, wavelength)[eye], *job, distances, update / int(eyes.size()),
+                            wavelength);
   };
 }
 
@@ -289,18 +321,23 @@ Job with_eyes(Job job) {
   return job;
 }
 
-SceneTargets trace_targets(const Job& job, const Observer& observer) {
+SceneTargets trace_targets(const Job& job, const Observer& observer, const TargetReuse& reuse) {
   SceneTargets targets;
-  targets.distances = target_distances_of(job);
+  const uint64_t cause = aims_at_eyes(job) ? cause_of_eye_light(job) : 0;
+  const bool is_kept = cause != 0 && reuse.earlier && has_light_for(*reuse.earlier, job, cause, reuse.walk.has_value());
+  targets.distances = is_kept ? reuse.earlier->distances : target_distances_of(job);
   warn_of_sparse_planes(job, observer);
-  warn_of_focus_beside(job, observer);
+  if (!is_kept) warn_of_focus_beside(job, observer);
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
     for (const double distance : distances)
       require(distance != 0,
               "expected target planes and views behind the panel or in front of it, got one on the panel, at 0 m");
   const RenderParams params = light_of_waves(job, job.render);
-  if (aims_at_eyes(job)) {
-    targets.eyes = trace_eye_light(job, targets.distances[targets.distances.size() / 2], params, observer);
+  if (is_kept) {
+    targets.eyes = reuse.earlier;
+    observer.fact("kept_light", 1);
+  } else if (aims_at_eyes(job)) {
+    targets.eyes = light_for_eyes(job, cause, targets.distances, params, observer, reuse.walk);
   } else {
     ScenePlanes planes{targets.distances, {}};
     for (const double distance : job.camera.distances)
@@ -355,7 +392,7 @@ std::vector<TargetPlane> targets_of_stack(const FocalStack& stack, const Grid& p
 
 TargetSet targets_of(const SceneTargets& targets, const Job& job, const std::vector<double>& wavelengths) {
   TargetSet set;
-  if (!targets.eyes.empty()) {
+  if (targets.eyes) {
     add_views_of_eyes(targets, job, wavelengths, set);
     return set;
   }

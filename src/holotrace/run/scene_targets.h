@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -66,21 +68,43 @@ bool aims_at_eyes(const Job& job);
 /// @throws Error  as eyes_of and eyebox_of do
 Job with_eyes(Job job);
 
+/// The light of a scene for eyes, in each wavelength and with the blur of their pupils, which other times of a film take again.
+struct KeptEyeLight {
+  uint64_t cause = 0;             ///< fingerprint of all that it depends on beside the places of the eyes
+  std::vector<double> distances;  ///< of the target planes [m]
+  struct OfWavelength {
+    double wavelength;
+    std::vector<LightField> lights;  ///< one for each eye (light_for_pupil)
+  };
+  std::vector<OfWavelength> lights;
+};
+
+/// What the targets of a time of a film may take from others: the light for eyes, if it is that of the same resting scene and reaches as
+/// far as their eyeboxes do; and the places of an eye that walks, for all of which light is traced at once.
+struct TargetReuse {
+  std::shared_ptr<const KeptEyeLight> earlier{};
+  std::optional<EyeWalk> walk{};
+};
+
+/// Longer walks are traced for each place alone.
+inline constexpr double most_bytes_of_walk = 1e9;
+
 /// The path-traced light of a scene that its holograms are to show, from one tracing.
 struct SceneTargets {
-  FocalStack planes;                        ///< the target planes; none for eyes
-  FocalStack seen;                          ///< the planes that the camera looks at
-  std::vector<double> distances{};          ///< of the target planes [m]
-  std::optional<LightField> light_field{};  ///< for views through pupils anywhere before the panel
-  std::vector<EyeLight> eyes{};             ///< for views through the pupils of eyes
+  FocalStack planes;                           ///< the target planes; none for eyes
+  FocalStack seen;                             ///< the planes that the camera looks at
+  std::vector<double> distances{};             ///< of the target planes [m]
+  std::optional<LightField> light_field{};     ///< for views through pupils anywhere before the panel
+  std::shared_ptr<const KeptEyeLight> eyes{};  ///< for views through the pupils of eyes
 };
 
 /// Traces the targets: with eyes what they see, else planes and, with the target light-field, views through pupils anywhere. Planes
 /// and light field are denoised as job.encode.denoise says.
 /// Facts: those of trace_scene_views and denoise_targets; `target_planes`, their number; `nearest_plane` and `farthest_plane` [m]. Warns of planes
-/// that are too far apart (warn_of_sparse_planes).
+/// that are too far apart (warn_of_sparse_planes). Light for eyes that is taken again has the fact `kept_light` instead of those of
+/// tracing.
 /// @throws Error  as trace_scene_views, trace_eye_light and target_distances_of do
-SceneTargets trace_targets(const Job& job, const Observer& observer = {});
+SceneTargets trace_targets(const Job& job, const Observer& observer = {}, const TargetReuse& reuse = {});
 
 /// The targets of a focal stack at one wavelength: the modulus √L of the radiance L. Coherent frames show more detail than an
 /// incoherent picture through the panel's aperture would have, so nothing is blurred (docs/explanation/encoders.md).

@@ -45,6 +45,7 @@ void add_sweep(const CameraParams& camera, std::vector<Viewpoint>& from) {
     if (camera.sweep == Sweep::parallax) {
       view.distance = camera.distances.front();
       view.camera.eye.x = position;
+      view.camera.window = ViewWindow::axis;  // what is in focus stays where it is
     }
     from.push_back(view);
   }
@@ -60,6 +61,7 @@ void add_eyes(const CameraParams& camera, const RenderParams& stereo, std::vecto
   for (const Vec3 eye : two_eyes(stereo.eye, stereo.eye_separation)) {
     from.push_back({ViewKind::eye, "stereo", camera.distances.front(), 0, camera});
     from.back().camera.eye = eye;
+    from.back().camera.window = ViewWindow::axis;
   }
 }
 

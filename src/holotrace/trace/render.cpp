@@ -32,6 +32,7 @@ struct Eye {
   Lens lens;
   Vec3 position;
   double pupil, focus;
+  double middle_x, middle_y;       // of the picture, as tangents
   double panel_x, panel_y, reach;  // half the sides of the panel; of its boxes in the plane in focus [m]
 
   /// A point of the lens for the tangents (x, y), from two numbers; none if the panel has no such part.
@@ -50,7 +51,7 @@ struct Eye {
 
   /// The ray through a place in the window, given in pixels from its upper left corner.
   std::optional<Ray> ray(double column, double row, Vec2 u) const {
-    const double x = (column - columns / 2.0) * pixel, y = (rows / 2.0 - row) * pixel;
+    const double x = middle_x + (column - columns / 2.0) * pixel, y = middle_y + (rows / 2.0 - row) * pixel;
     const auto from = lens_place(x, y, u);
     if (!from) return std::nullopt;
     const double distance = std::abs(focus);
@@ -113,8 +114,8 @@ void draw_points(const Accelerator& scene, const Eye& eye, const Grid& panel, do
     if (from.z > 0 && way.z >= 0) continue;                           // behind the viewer
     const Vec3 place = from + way * ((from.z + eye.focus) / -way.z);  // in the plane in focus
     const double distance = std::abs(eye.focus);
-    const double column = place.x / distance / eye.pixel + (eye.columns - 1) / 2.0;
-    const double row = (eye.rows - 1) / 2.0 - place.y / distance / eye.pixel;
+    const double column = (place.x / distance - eye.middle_x) / eye.pixel + (eye.columns - 1) / 2.0;
+    const double row = (eye.rows - 1) / 2.0 - (place.y / distance - eye.middle_y) / eye.pixel;
     const bool is_inside = std::abs(column - (eye.columns - 1) / 2.0) <= eye.columns / 2.0 &&
                            std::abs(row - (eye.rows - 1) / 2.0) <= eye.rows / 2.0;
     if (!is_inside || scene.is_hidden(from, point.position)) continue;
@@ -143,6 +144,8 @@ Image render_masked(const SceneExposure& exposure, const Grid& panel, double wav
           .position = params.eye,
           .pupil = params.pupil,
           .focus = params.focus,
+          .middle_x = std::tan(params.azimuth),
+          .middle_y = std::tan(params.elevation),
           .panel_x = panel.width() / 2,
           .panel_y = panel.height() / 2,
           .reach = box_radius(std::abs(params.focus), wavelength, panel.pitch)};

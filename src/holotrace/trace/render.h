@@ -17,7 +17,7 @@ namespace holotrace {
 ///
 /// **Window.** The picture's window is fixed in the plane z = −f, f = `focus`. Pixels are square, and evenly spaced in
 /// the tangents tₓ, t_y from the panel's centre: the height spans ±T, T = tan(field_of_view) or the panel's
-/// acceptance_tangent; the width ±T·columns/rows. A pixel stands for the places X = (tₓ·f, t_y·f, −f), for every
+/// acceptance_tangent; the width ±T·columns/rows; its middle is in the direction (azimuth, elevation). A pixel stands for the places X = (tₓ·f, t_y·f, −f), for every
 /// eye and lens. Pictures for different eyes therefore coincide in the plane in focus.
 ///
 /// **Lens.** A pixel is the mean of `paths` light paths along rays q → X, X stratified over the pixel:

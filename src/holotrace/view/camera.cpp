@@ -25,14 +25,24 @@
 namespace holotrace {
 namespace {
 
-// The camera without its lens, with its sensor in the plane in focus.
-CameraParams in_object_plane(const CameraParams& camera, double magnification) {
-  CameraParams out = camera;
-  for (double* size : {&out.width, &out.height, &out.centre_x, &out.centre_y, &out.pixel}) *size /= magnification;
-  return out;
+bool has_window(const PropagateParams& p) {
+  return p.columns != 0 || p.rows != 0 || p.pitch != 0 || p.centre_x != 0 || p.centre_y != 0;
 }
 
 double plane_of(double distance, ImageSide image) { return image == ImageSide::real_image ? distance : -distance; }
+
+// The camera without its lens, with its sensor in the plane in focus, about the panel's axis.
+CameraParams in_object_plane(const CameraParams& camera, double distance, ImageSide image,
+                             const PropagateParams& propagation) {
+  CameraParams out = camera;
+  const double m = magnification(camera, distance, image);
+  for (double* size : {&out.width, &out.height, &out.centre_x, &out.centre_y, &out.pixel}) *size /= m;
+  if (has_window(propagation)) return out;
+  const Vec2 middle = middle_of_window(camera, distance, image);
+  out.centre_x += middle.x * std::abs(distance);
+  out.centre_y += middle.y * std::abs(distance);
+  return out;
+}
 
 // Whether light of a window, within the angles that its samples represent, reaches another window.
 bool reaches(const Grid& from, const Grid& to, double wavelength, double distance) {
@@ -59,6 +69,13 @@ void add_between(const Image& render, double row, double column, double* sums) {
 }  // namespace
 
 void check_eye(const CameraParams& camera) { check_ranges(camera); }
+
+Vec2 middle_of_window(const CameraParams& camera, double distance, ImageSide image) {
+  const Vec3& eye = camera.eye;
+  if (camera.window != ViewWindow::eye || camera.pupil == 0 || eye.z <= 0) return {0, 0};
+  const double side = std::copysign(1, plane_of(distance, image));
+  return {side * eye.x / eye.z, side * eye.y / eye.z};
+}
 
 double magnification(const CameraParams& camera, double distance, ImageSide image) {
   if (camera.focal_length == 0) return 1;
@@ -88,7 +105,7 @@ Focus focus_of(const FieldShape& shown, const Slm& slm, double distance, const P
   require(std::isfinite(distance), "expected a finite camera distance, got {}", format_length(distance));
   check_eye(with_lens);
   const double m = magnification(with_lens, distance, shown.image), z = plane_of(distance, shown.image);
-  const CameraParams camera = in_object_plane(with_lens, m);
+  const CameraParams camera = in_object_plane(with_lens, distance, shown.image, propagation);
   return {z, m, camera, sensor_of(shown, slm, z, propagation, camera, std::abs(z) * source.reach(), observer)};
 }
 
@@ -202,7 +219,7 @@ double looking_bytes(const FieldShape& field, const Slm& slm, double distance, c
                      const CameraParams& with_lens, const SourcePart& source) {
   const double z = plane_of(distance, field.image), wavelength = field.wavelength;
   const Grid& shown = field.grid;
-  const CameraParams camera = in_object_plane(with_lens, magnification(with_lens, distance, field.image));
+  const CameraParams camera = in_object_plane(with_lens, distance, field.image, propagation);
   const Sensor read = sensor_of(field, slm, z, propagation, camera, std::abs(z) * source.reach());
   const PropagateParams& window = read.window;
   const Grid sensor = propagation_output(shown, window);

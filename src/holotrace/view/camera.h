@@ -38,7 +38,8 @@ namespace holotrace {
 /// plane in focus, without the aberrations of a real one.
 ///
 /// The sensor's pixels, and the number of samples of the field per pixel, are in sensor.h. By default each
-/// pixel integrates the irradiance over its area (mean_over_pixels, expose.h). Its centre is free.
+/// pixel integrates the irradiance over its area (mean_over_pixels, expose.h). Its centre is free, and counted from the middle that
+/// camera.window names (middle_of_window), unless `propagation` has a window.
 ///
 /// With an extended source the irradiance is that of all the directions in `source`, whose middle lights the panel:
 /// the picture is convolved with the image of the source (source_image.h).
@@ -69,6 +70,11 @@ struct PassedLight {
 /// the one that is expected to be the fastest: the way of the light from where it is counts, and that of the picture back.
 Image focus_light(const PassedLight& passed, const Slm& slm, double distance, const PropagateParams& propagation,
                   const CameraParams& camera, const Observer& observer = {}, const SourcePart& source = {});
+
+/// What the middle of a camera's window shows in the plane at `distance`: its place there, as tangents from the panel's centre
+/// (the place over |distance|). With ViewWindow::eye and a pupil in front of the panel, it is where the line from the eye through the
+/// panel's centre goes; else 0.
+Vec2 middle_of_window(const CameraParams& camera, double distance, ImageSide image);
 
 /// Magnification m of the image of the plane at `distance` on the sensor; 1 without a lens.
 /// @throws Error  for a lens without a pupil, or nearer than its focal length to the plane

@@ -143,8 +143,8 @@ Image seen_at(const Image& rgb, const std::vector<double>& wavelengths) {
 Image sensor_at(const ViewPlace& place, int rows, int columns) {
   Image sensor(rows, columns, 1);
   sensor.pitch = place.pixel;
-  sensor.centre_x = place.centre_x;
-  sensor.centre_y = place.centre_y;
+  sensor.centre_x = place.centre_x - place.tangent_x * std::abs(place.distance);
+  sensor.centre_y = place.centre_y - place.tangent_y * std::abs(place.distance);
   return sensor;
 }
 

@@ -71,7 +71,7 @@ class CombinedViews {
 /// channel counts as grey: it stays as it is for one wavelength, and becomes three channels for more.
 Image seen_at(const Image& rgb, const std::vector<double>& wavelengths);
 
-/// The pixels of a view, without light, in the plane in focus.
+/// The pixels of a view, without light, in the plane in focus. Their centre is counted from that of the render.
 Image sensor_at(const ViewPlace& place, int rows, int columns);
 
 /// A render as a view of rows × columns pixels should show it: in the colours of the view's light (seen_at), each pixel

@@ -10,6 +10,7 @@
 
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/run/renders.h"
+#include "holotrace/view/camera.h"
 
 namespace holotrace {
 namespace {
@@ -38,8 +39,8 @@ constexpr size_t most_kept = 4;
 constexpr int columns_of_trace = 480, paths_of_trace = 16;
 
 std::string key_of(const CameraParams& camera) {
-  return fmt::format("{:a};{:a};{:a};{:a};{:a}", camera.distances.front(), camera.pupil, camera.eye.x, camera.eye.y,
-                     camera.eye.z);
+  return fmt::format("{:a};{:a};{:a};{:a};{:a};{}", camera.distances.front(), camera.pupil, camera.eye.x, camera.eye.y,
+                     camera.eye.z, int(camera.window));
 }
 
 // The scene through the whole panel or through the camera's pupil, in a window as large as the panel in the plane in
@@ -58,6 +59,9 @@ RenderParams params_for(const Job& job, const CameraParams& camera) {
     params.pupil = camera.pupil;
     params.eye = camera.eye;
   }
+  const Vec2 middle = middle_of_window(camera, distance, job.encode.image);
+  params.azimuth = std::atan(middle.x);
+  params.elevation = std::atan(middle.y);
   params.has_background = false;
   if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
   return params;
@@ -93,6 +97,9 @@ std::optional<PlacedRender> RendersShown::render_for(const Contents& contents, c
   if (!render.image) return std::nullopt;
   render.place.half_tangent = contents.job->slm.grid.height() / 2 / std::abs(distance);
   render.place.distance = distance;
+  const Vec2 middle = middle_of_window(camera, distance, contents.job->encode.image);
+  render.place.tangent_x = middle.x;
+  render.place.tangent_y = middle.y;
   render.place.wavelengths = contents.job->wavelengths;
   return render;
 }

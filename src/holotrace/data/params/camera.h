@@ -19,6 +19,10 @@ enum class SweepFormat { gif, webp, mp4, webm };
 /// What a sensor pixel reads: the mean irradiance over its area, or the irradiance at samples of the field.
 enum class PixelSampling { integrate, point };
 
+/// What the middle of the sensor shows: the axis of the panel in the plane in focus, or the place there that the eye sees through
+/// the panel's middle. Automatic: the second, for an eye that moves or that the holograms are made for (run/choose.h).
+enum class ViewWindow { automatic, axis, eye };
+
 /// A sensor without a lens (as on the paper's bench), a camera with a thin lens, or an eye; and how the sensor's values
 /// become a picture.
 struct CameraParams {
@@ -26,9 +30,10 @@ struct CameraParams {
   double pupil = 0;         ///< diameter of the eye's pupil or the lens [m]; 0: all light that leaves the panel
   Vec3 eye{0, 0, 0};        ///< position of that pupil [m], on the panel or in front of it: z ≥ 0
   double focal_length = 0;  ///< focal length of a thin lens in the pupil [m]; sizes below are then those of its sensor
-  double width = 0, height = 0;       ///< size of the sensor [m]; 0: the panel's
-  double centre_x = 0, centre_y = 0;  ///< centre of the sensor [m]
-  double pixel = 0;                   ///< side of a sensor pixel [m]; 0: `binning` field samples
+  double width = 0, height = 0;               ///< size of the sensor [m]; 0: the panel's
+  double centre_x = 0, centre_y = 0;          ///< centre of the sensor [m]
+  ViewWindow window = ViewWindow::automatic;  ///< place that the centre is counted from
+  double pixel = 0;                           ///< side of a sensor pixel [m]; 0: `binning` field samples
   int binning = 0;  ///< field samples per sensor pixel and axis; 0: one panel pixel, or as `pixel` needs
   PixelSampling sampling = PixelSampling::integrate;
   double exposure = 0;    ///< irradiance shown as white [W/m²]; 0: automatic (exposure_white)
@@ -59,6 +64,10 @@ void describe(Visitor&& v, CameraParams& p) {
   v(length("height", p.height, range::not_negative, "height of the sensor; 0 m: the panel's"));
   v(length("centre_x", p.centre_x, range::any, "x of the sensor's centre"));
   v(length("centre_y", p.centre_y, range::any, "y of the sensor's centre"));
+  v(choice(
+      "window", p.window, {{"auto", ViewWindow::automatic}, {"axis", ViewWindow::axis}, {"eye", ViewWindow::eye}},
+      "middle of the sensor: on the panel's axis (axis), or where the eye sees the middle of the panel (eye), so that "
+      "the view moves with the eye; auto: eye for holograms for an eye and with an eye track, else axis"));
   v(length("pixel", p.pixel, range::not_negative, "side of a sensor pixel; 0 m: set by binning"));
   v(count("binning", p.binning, range::not_negative,
           "field samples per sensor pixel and axis; 0: those of one panel pixel, or as many as pixel needs"));

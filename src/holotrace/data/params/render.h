@@ -25,6 +25,7 @@ inline constexpr int default_paths = 64;
 struct RenderParams {
   int columns = 0, rows = 512;        ///< size of the picture [pixels]; columns 0: chosen, else square
   double field_of_view = 0;           ///< half angle over the height [rad]; 0: chosen, else the panel's acceptance
+  double azimuth = 0, elevation = 0;  ///< direction of the picture's middle from the panel's centre: right, up [rad]
   Vec3 eye{0, 0, 0};                  ///< position of the lens [m], on the panel or in front of it: z ≥ 0
   Lens lens = Lens::pinhole;          ///< aperture of the camera
   double pupil = 4e-3;                ///< diameter of the round lens [m]
@@ -53,6 +54,9 @@ void describe(Visitor&& v, RenderParams& p) {
   v(count("rows", p.rows, range::at_least(1), "height in pixels"));
   v(angle("field_of_view", p.field_of_view, range::half_angle,
           "half angle of view over the height; 0 deg: the window of the views"));
+  v(angle("azimuth", p.azimuth, range::tilt,
+          "direction of the picture's middle, seen from the panel's centre: angle to the right of the panel's axis"));
+  v(angle("elevation", p.elevation, range::tilt, "the same, up"));
   v(position("eye", p.eye, range::not_negative,
              "position of the lens, on the panel or in front of it (z of 0 m or more)"));
   v(choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},

@@ -59,6 +59,11 @@ void MetadataReader::from(const nlohmann::json& json, const char* name, double& 
   require(std::isfinite(value), "{}: expected a finite number for \"{}\", got {}", path_, name, value);
 }
 
+void MetadataReader::from(const nlohmann::json& json, const char* name, bool& value) const {
+  expect(json.is_boolean(), "true or false", json, name);
+  value = json.get<bool>();
+}
+
 void MetadataReader::from(const nlohmann::json& json, const char* name, std::string& value) const {
   expect(json.is_string(), "a text", json, name);
   value = printable(json.get_ref<const std::string&>());

@@ -139,6 +139,7 @@ class MetadataReader {
   double whole(const nlohmann::json& json, const char* name, double least, double most) const;
 
   void from(const nlohmann::json& json, const char* name, double& value) const;
+  void from(const nlohmann::json& json, const char* name, bool& value) const;
   void from(const nlohmann::json& json, const char* name, std::string& value) const;
   void from(const nlohmann::json& json, const char* name, Vec3& value) const;
   void from(const nlohmann::json& json, const char* name, DeadPixel& value) const;

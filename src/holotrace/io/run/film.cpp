@@ -67,8 +67,8 @@ std::string film_ending(FilmFormat format) {
 
 // The run of a time, without what films do not keep.
 EarlierRun run_of(const Job& job, const StageObserver& stages, const CheckpointOf& checkpoint_of, ProcessLinks* links,
-                  const EarlierRun* before, const std::vector<Hologram>& last) {
-  EarlierRun made{job, run(job, stages, checkpoint_of, links, before, last)};
+                  const EarlierRun* before, const std::vector<Hologram>& last, const std::optional<EyeWalk>& walk) {
+  EarlierRun made{job, run(job, stages, checkpoint_of, links, before, last, walk)};
   made.results.sources.clear();
   made.results.points.clear();
   made.results.fields.clear();
@@ -131,18 +131,17 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
   require(!plan.from_last || range.begin == 0,
           "expected all times of a film that goes on from the last one, got those from number {} on", range.begin + 1);
   std::optional<EarlierRun> before;  // of the last time that was computed
-  std::vector<double> wavelengths;
-  std::string mark;  // fingerprint of all that the results of a time depend on
+  Job first;                         // without its scene
+  std::vector<Vec3> eyes_before;     // of the holograms of the last time
+  std::string mark;                  // fingerprint of all that the results of a time depend on
   std::vector<std::string> notes;
-  if (range.begin > 0 && range.begin < range.end) wavelengths = plan.job_at(plan.times[0]).wavelengths;
+  if (range.begin > 0 && range.begin < range.end) first = choose_missing(plan.job_at(plan.times[0]));
   for (size_t i = range.begin; i < range.end; ++i) {
     const Job job = choose_missing(plan.job_at(plan.times[i]));
-    if (i == 0) wavelengths = job.wavelengths;
-    require(job.wavelengths == wavelengths,
-            "expected the same wavelengths at all times of a film, got others at {}; give \"wavelength\" in the scene",
-            format_time(plan.times[i]));
-    require(!job.encode.is_rolling || plan.from_last,
-            "expected rolling frames in a film that goes on from the last time; give from_last, or leave out rolling");
+    if (i == 0) first = job;
+    first.scene = {};  // it may be large
+    first.moments.clear();
+    check_time_of_film(job, first, plan.from_last);
     require(
         aims_at_scene(job) || job.render.reference != Reference::none,
         "expected a film with renders, by which all its views are exposed together, got reference = none; use quick or full");
@@ -154,8 +153,10 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
       step = is_same ? FilmStep::same : FilmStep::computed;
       const StageObserver stages = watch.stages ? watch.stages(i) : StageObserver();
       if (step == FilmStep::computed)
-        before = run_of(job, stages, checkpoint_of, links, before ? &*before : nullptr,
-                        plan.from_last ? last_holograms(folder, i) : std::vector<Hologram>());
+        before =
+            run_of(job, stages, checkpoint_of, links, before ? &*before : nullptr,
+                   plan.from_last ? moved_to_eye(last_holograms(folder, i), eyes_before, job) : std::vector<Hologram>(),
+                   plan.from_last ? plan.walk : std::nullopt);
       if (before->results.report.time) before->results.report.time = plan.times[i];
       make_folder(own);
       if (step == FilmStep::same)
@@ -165,6 +166,7 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
       const SavedRun one = save_run(own, before->results, job, stages, watch.before_naming, &film);
       notes.insert(notes.end(), one.notes.begin(), one.notes.end());
     }
+    eyes_before = eyes_of(job.encode);
     if (watch.on_time) watch.on_time(i, step);
   }
   return notes;

@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "holotrace/data/job.h"
 #include "holotrace/io/run/save_run.h"
+#include "holotrace/run/eye_views.h"
 
 namespace holotrace {
 
@@ -19,6 +21,7 @@ struct FilmPlan {
   std::function<Job(double time)> job_at;  ///< the scene at a time [s]
   double shutter = 0;                      ///< exposure time of the camera that makes the films [s]
   bool from_last = false;                  ///< AnimateParams::from_last
+  std::optional<EyeWalk> walk{};           ///< from_last: the places of an eye that walks, as `run` takes them
 };
 
 /// The times begin … end − 1 of a film.
@@ -73,6 +76,8 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 ///
 /// **From the last.** With plan.from_last the holograms of a time depend on those of all times before, whose fingerprints are part
 /// of its own. Where nothing moves the iterations go on, too.
+///
+/// The light of a resting scene is traced once for all places of the eye (plan.walk).
 ///
 /// **What does not change.** If nothing that the results depend on differs from the time before, they are saved again. Holograms of
 /// waves are taken again if only what the camera does differs (EarlierRun).

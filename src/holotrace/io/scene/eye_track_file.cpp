@@ -124,4 +124,12 @@ void follow_eye_track(Job& job) {
     encode.eye = {measured.x, measured.y, measured.z};
 }
 
+std::vector<Vec3> measured_places(const Job& job, const std::vector<double>& times) {
+  std::vector<Vec3> places;
+  if (!job.tracked) return places;
+  const EyeTrack track = load_eye_track(job.eye.track);
+  for (const double time : times) places.push_back(tracked_eye(track, job.eye, time).measured);
+  return places;
+}
+
 }  // namespace holotrace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "holotrace/data/eye_track.h"
 #include "holotrace/data/job.h"
@@ -26,5 +27,8 @@ EyeTrack load_eye_track(const std::string& path);
 /// eye_pupil. The last time of the track counts as a key.
 /// @throws Error  as load_eye_track and tracked_eye do; for a time after the track; for holograms of several eyes
 void follow_eye_track(Job& job);
+
+/// The places that holograms of a job with an eye track are made for, at some times [m]; none without a track.
+std::vector<Vec3> measured_places(const Job& job, const std::vector<double>& times);
 
 }  // namespace holotrace
