@@ -83,6 +83,59 @@ inline std::vector<NamedSurface> metallic_surfaces() {
   return all;
 }
 
+/// Layered surfaces, each with one layer on a base of that roughness, and one with all of them.
+inline std::vector<std::pair<std::string, PrincipledMaterial>> layered_materials(double roughness) {
+  std::vector<std::pair<std::string, PrincipledMaterial>> all;
+  PrincipledMaterial base;
+  base.base_color.value = {0.8, 0.5, 0.2};
+  base.roughness.value = roughness;
+  const auto add = [&](const char* name, const auto& change) {
+    PrincipledMaterial material = base;
+    change(material);
+    all.emplace_back(name, material);
+  };
+  const auto coat = [](PrincipledMaterial& m) { m.clearcoat.value = 0.8, m.clearcoat_roughness.value = 0.4; };
+  const auto sheen = [](PrincipledMaterial& m) {
+    m.sheen_color.value = {0.9, 0.3, 0.5}, m.sheen_roughness.value = 0.4;
+  };
+  const auto brushed = [](PrincipledMaterial& m) { m.metalness.value = 0.7, m.anisotropy.value = 0.6; };
+  const auto film = [](PrincipledMaterial& m) { m.metalness.value = 0.3, m.iridescence.value = 0.7; };
+  add("plain", [](PrincipledMaterial&) {});
+  add("half metal", [](PrincipledMaterial& m) { m.metalness.value = 0.5; });
+  add("coat", coat);
+  add("smooth coat", [](PrincipledMaterial& m) { m.clearcoat.value = 1; });
+  add("sheen", sheen);
+  add("brushed", brushed);
+  add("film", film);
+  add("leaf", [](PrincipledMaterial& m) { m.diffuse_transmission = {0.6}; });
+  add("sheet", [](PrincipledMaterial& m) { m.transmission.value = 0.7, m.is_thin = true; });
+  add("all",
+      [&](PrincipledMaterial& m) { coat(m), sheen(m), brushed(m), film(m), m.diffuse_transmission.value = 0.4; });
+  add("solid", [](PrincipledMaterial& m) { m.transmission.value = 0.7; });
+  return all;
+}
+
+/// Those that have all parts between them.
+inline std::vector<NamedSurface> principled_surfaces(double roughness = 0.5) {
+  std::vector<NamedSurface> all;
+  for (const auto& [name, material] : layered_materials(roughness))
+    if (name == "sheet" || name == "all" || name == "solid") all.push_back(named(name, material, roughness));
+  all.push_back(named("solid from inside", layered_materials(roughness).back().second, roughness, flat_point(false)));
+  SurfacePoint leaning = flat_point();
+  leaning.normal = normalize({0.3, -0.2, 1});
+  all.push_back(named("leaning layers", layered_materials(roughness)[9].second, roughness, leaning));
+  return all;
+}
+
+/// Smooth layers: specular, with or without a diffuse lobe.
+inline std::vector<NamedSurface> smooth_layers() {
+  std::vector<NamedSurface> all;
+  for (const auto& [name, material] : layered_materials(0))
+    if (name != "brushed" && name != "all" && name != "coat") all.push_back(named("smooth " + name, material));
+  all.push_back(named("smooth solid from inside", layered_materials(0).back().second, 1, flat_point(false)));
+  return all;
+}
+
 inline std::vector<NamedSurface> specular_surfaces() {
   return {named("mirror", ConductorMaterial{}),
           named("gold mirror", ConductorMaterial{metal_index("Au")}),
@@ -95,8 +148,8 @@ inline std::vector<NamedSurface> specular_surfaces() {
 
 inline std::vector<NamedSurface> all_surfaces() {
   std::vector<NamedSurface> all;
-  for (const auto& some :
-       {diffuse_surfaces(), conductor_surfaces(), dielectric_surfaces(), metallic_surfaces(), specular_surfaces()})
+  for (const auto& some : {diffuse_surfaces(), conductor_surfaces(), dielectric_surfaces(), metallic_surfaces(),
+                           specular_surfaces(), principled_surfaces(), smooth_layers()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }
@@ -109,6 +162,8 @@ inline std::vector<Material> sample_materials() {
     all.push_back(DielectricMaterial{glass_index("diamond"), roughness});
     for (double metallic : {0.0, 0.5, 1.0})
       all.push_back(MetallicRoughnessMaterial{.metallic = metallic, .roughness = roughness});
+    if (roughness != 0.0099 && roughness != 0.1 && roughness != 1)
+      for (const auto& [name, material] : layered_materials(roughness)) all.push_back(material);
   }
   return all;
 }

@@ -54,6 +54,14 @@ struct SurfaceColour {
   bool operator()(const MetallicRoughnessMaterial& m) const {
     return is_coloured(m.base_color) || is_coloured(m.base_texture);
   }
+  bool operator()(const PrincipledMaterial& m) const {
+    const bool is_film = m.iridescence.value > 0;  // thin films show colours of their own
+    bool is_any = is_film || is_coloured(m.attenuation_color);
+    for (const TexturedColour* colour :
+         {&m.base_color, &m.specular_color, &m.diffuse_transmission_color, &m.sheen_color})
+      is_any = is_any || is_coloured(colour->value) || is_coloured(colour->texture.image);
+    return is_any;
+  }
 };
 
 struct LightColour {
@@ -144,6 +152,13 @@ void share_pictures(Scene& scene, const Scene& other) {
       if (const auto* of_other = std::get_if<MetallicRoughnessMaterial>(&with.surface)) {
         share(surface->base_texture, of_other->base_texture);
         share(surface->metallic_texture, of_other->metallic_texture);
+      }
+    if (auto* surface = std::get_if<PrincipledMaterial>(&own.surface))
+      if (const auto* of_other = std::get_if<PrincipledMaterial>(&with.surface)) {
+        std::vector<const PlacedTexture*> others;
+        for_each_texture(*of_other, [&](const PlacedTexture& texture) { others.push_back(&texture); });
+        auto next = others.begin();
+        for_each_texture(*surface, [&](PlacedTexture& texture) { share(texture.image, (*next++)->image); });
       }
   }
   if (scene.environment && other.environment) share(scene.environment->map, other.environment->map);

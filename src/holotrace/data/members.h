@@ -181,6 +181,32 @@ void members(Archive& archive, MetallicRoughnessMaterial& part) {
   archive(base_color, base_texture, metallic, roughness, metallic_texture);
 }
 template <class Archive>
+void members(Archive& archive, PlacedTexture& part) {
+  auto& [image, uu, uv, u0, vu, vv, v0] = part;
+  archive(image, uu, uv, u0, vu, vv, v0);
+}
+template <class Archive>
+void members(Archive& archive, TexturedNumber& part) {
+  auto& [value, texture] = part;
+  archive(value, texture);
+}
+template <class Archive>
+void members(Archive& archive, TexturedColour& part) {
+  auto& [value, texture] = part;
+  archive(value, texture);
+}
+template <class Archive>
+void members(Archive& archive, PrincipledMaterial& part) {
+  auto& [base_color, metalness, roughness, index, specular, specular_color, anisotropy, anisotropy_rotation,
+         anisotropy_direction, transmission, is_thin, attenuation_color, attenuation_distance, diffuse_transmission,
+         diffuse_transmission_color, clearcoat, clearcoat_roughness, clearcoat_index, sheen_color, sheen_roughness,
+         iridescence, iridescence_index, film_thickness, least_thickness, thickness_texture] = part;
+  archive(base_color, metalness, roughness, index, specular, specular_color, anisotropy, anisotropy_rotation,
+          anisotropy_direction, transmission, is_thin, attenuation_color, attenuation_distance, diffuse_transmission,
+          diffuse_transmission_color, clearcoat, clearcoat_roughness, clearcoat_index, sheen_color, sheen_roughness,
+          iridescence, iridescence_index, film_thickness, least_thickness, thickness_texture);
+}
+template <class Archive>
 void members(Archive& archive, Material& part) {
   auto& [surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
          two_sided] = part;

@@ -48,9 +48,79 @@ struct MetallicRoughnessMaterial {
   std::shared_ptr<const Image> metallic_texture{};  ///< multiplies both: roughness in green, metallic in blue
 };
 
+/// A texture that is read at (u, v) ↦ (uu·u + uv·v + u0, vu·u + vv·v + v0) of the mesh's coordinates, v up.
+struct PlacedTexture {
+  std::shared_ptr<const Image> image{};
+  double uu = 1, uv = 0, u0 = 0, vu = 0, vv = 1, v0 = 0;
+};
+
+/// A number, and a texture of one channel that multiplies it, if present.
+struct TexturedNumber {
+  double value = 0;
+  PlacedTexture texture{};
+};
+
+/// A colour, and a texture that multiplies it, if present (linear light).
+struct TexturedColour {
+  Vec3 value{1, 1, 1};
+  PlacedTexture texture{};
+};
+
+/// A surface of layers, in the terms of OpenPBR and of the extensions KHR_materials of glTF 2.0. From the top: sheen, a clear
+/// coat, and a base that is a mix of a metal and a dielectric. Below the surface of the dielectric, light is scattered
+/// (diffuse) or goes on (transmission). Numbers without a unit are in [0, 1]. GGX α = roughness².
+struct PrincipledMaterial {
+  TexturedColour base_color{{0.8, 0.8, 0.8}};   ///< diffuse reflectance, tint of the transmission, F₀ of the metal
+  TexturedNumber metalness{0};                  ///< fraction of metal
+  TexturedNumber roughness{0.3};                ///< of the base
+  RefractiveIndex index = constant_index(1.5);  ///< of the dielectric, k = 0
+  TexturedNumber specular{1};                   ///< factor for the reflection of the dielectric
+  TexturedColour specular_color{};              ///< factor for its F₀
+  TexturedNumber anisotropy{0};                 ///< α along the tangent is α + (1 − α)·anisotropy²
+  double anisotropy_rotation = 0;               ///< from ∂position/∂u toward ∂position/∂v [rad]
+  PlacedTexture anisotropy_direction{};         ///< red, green: direction from that angle on, [0, 1] for [−1, 1]
+
+  TexturedNumber transmission{0};   ///< fraction of the dielectric that is clear
+  bool is_thin = false;             ///< a sheet without refraction; else the surface of a solid
+  Vec3 attenuation_color{1, 1, 1};  ///< colour of white light after attenuation_distance in the solid
+  double attenuation_distance = std::numeric_limits<double>::infinity();  ///< [m]
+  TexturedNumber diffuse_transmission{0};       ///< fraction of the diffuse light that leaves on the other side
+  TexturedColour diffuse_transmission_color{};  ///< its colour
+
+  TexturedNumber clearcoat{0}, clearcoat_roughness{0};  ///< weight and roughness of the coat
+  double clearcoat_index = 1.5;
+  TexturedColour sheen_color{{0, 0, 0}};
+  TexturedNumber sheen_roughness{0.3};
+
+  TexturedNumber iridescence{0};    ///< weight of a thin film on the base
+  double iridescence_index = 1.3;   ///< of the film, 1 or more
+  double film_thickness = 400e-9;   ///< where its texture is 1, and without a texture [m]
+  double least_thickness = 100e-9;  ///< where its texture is 0 [m]
+  PlacedTexture thickness_texture{};
+};
+
+/// Calls f(texture) for each PlacedTexture of the material.
+template <class Principled, class F>
+void for_each_texture(Principled& m, F&& f) {
+  for (auto* number : {&m.metalness, &m.roughness, &m.specular, &m.anisotropy, &m.transmission, &m.diffuse_transmission,
+                       &m.clearcoat, &m.clearcoat_roughness, &m.sheen_roughness, &m.iridescence})
+    f(number->texture);
+  for (auto* colour : {&m.base_color, &m.specular_color, &m.diffuse_transmission_color, &m.sheen_color})
+    f(colour->texture);
+  f(m.anisotropy_direction);
+  f(m.thickness_texture);
+}
+
+inline bool has_texture(const PrincipledMaterial& material) {
+  bool has_any = false;
+  for_each_texture(material, [&](const PlacedTexture& texture) { has_any = has_any || texture.image; });
+  return has_any;
+}
+
 /// The reflection, transmission and emission of a surface. To add a material: see CONTRIBUTING.md.
 struct Material {
-  using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial>;
+  using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial,
+                               PrincipledMaterial>;
   Surface surface;
   Vec3 emission{0, 0, 0};                           ///< emitted radiance [W/m²/sr]
   std::shared_ptr<const Image> emission_texture{};  ///< multiplies emission (linear light)

@@ -19,12 +19,6 @@ EncodeParams encoding_of(const Job& job) {
   return params;
 }
 
-void check_from_last(const Job& job) {
-  require(
-      aims_at_scene(job),
-      "expected from_last only with the method sgd and the target render or light-field; give [encode] target, or leave it out");
-}
-
 uint64_t cause_of_results(Job job) {
   job.time = 0;
   job.shutter = {};  // its moments are there

@@ -9,9 +9,6 @@ namespace holotrace {
 /// The parameters by which the field of waves of a job is encoded: iterations use the camera's distances unless the job names others.
 EncodeParams encoding_of(const Job& job);
 
-/// @throws Error  if the holograms of a job are not found by iterations that go on from those of the last time of a film
-void check_from_last(const Job& job);
-
 /// A fingerprint of all that the results of a run depend on: times of a film with the same one have the same results.
 uint64_t cause_of_results(Job job);
 

@@ -212,8 +212,6 @@ TEST(FilesOfOthers, WhatIsNotShownIsNamedAndHarmlessKeysAreNot) {
            {"map_Ns s.png", "has a map of its highlight"},
            {"disp d.png", "displacement"},
            {"refl -type sphere s.png", "reflection map"},
-           {"Ps 0.5", "sheen"},
-           {"Pc 1", "clear coat"},
            {"map_Kd -t 1 1 1 t.png", "turbulence"},
            {"colour 1 2 3", "m.mtl:2: the unknown key \"colour\" is ignored"}})
     EXPECT_TRUE(has_warning(model(line), words)) << line;
@@ -225,6 +223,32 @@ TEST(FilesOfOthers, WhatIsNotShownIsNamedAndHarmlessKeysAreNot) {
   EXPECT_TRUE(
       has_warning(obj(std::string(square) + face + "quad 1\n"), "line 10: the unknown key \"quad\" is ignored"));
   EXPECT_TRUE(obj(std::string("s off\nlod 1\n") + square + face).warnings.empty());
+}
+
+TEST(FilesOfOthers, LayersOfMtlFilesArePrincipled) {
+  const auto material = [](const std::string& lines) {
+    const LoadedModel model = obj(std::string("mtllib m.mtl\n") + square + "usemtl a\n" + face, "newmtl a\n" + lines);
+    EXPECT_TRUE(model.warnings.empty());
+    return model.materials.at(size_t(model.meshes.at(0).material)).surface;
+  };
+  const auto layers = std::get<PrincipledMaterial>(
+      material("Kd 0.5 0.25 1\nPm 0.75\nPr 0.5\nPs 0.5\nPc 0.25\nPcr 0.125\naniso 0.5\nanisor 0.25\nNi 1.25\n"));
+  EXPECT_EQ(layers.base_color.value, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(layers.metalness.value, 0.75);
+  EXPECT_EQ(layers.roughness.value, 0.5);
+  EXPECT_EQ(layers.sheen_color.value, (Vec3{0.25, 0.125, 0.5}));
+  EXPECT_EQ(layers.clearcoat.value, 0.25);
+  EXPECT_EQ(layers.clearcoat_roughness.value, 0.125);
+  EXPECT_EQ(layers.anisotropy.value, 0.5);
+  EXPECT_EQ(layers.anisotropy_rotation, pi / 2);  // a quarter of a turn
+  EXPECT_EQ(layers.transmission.value, 0);
+  const auto glass = std::get<PrincipledMaterial>(material("Tf 0.5 0.25 1\nNi 1.5\nillum 6\n"));
+  EXPECT_EQ(glass.base_color.value, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(glass.transmission.value, 1);
+  EXPECT_EQ(glass.roughness.value, 0);
+  EXPECT_FALSE(glass.is_thin);
+  // Programs write a white filter for opaque materials.
+  EXPECT_TRUE(std::holds_alternative<DiffuseMaterial>(material("Tf 1 1 1\nNi 1.5\nillum 4\n")));
 }
 
 TEST(FilesOfOthers, StrayVerticesAndFlatTrianglesDoNotCount) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "holotrace/base/units.h"
@@ -142,7 +143,7 @@ TEST(Gltf, AMissingTextureIsNamedOnce) {
 }
 
 // Texture coordinates with v up: 1 − v of those in the file.
-TEST(Gltf, TheFirstTextureSaysAtWhichCoordinatesAllAreRead) {
+TEST(Gltf, TexturesAreReadAtTheirOwnPlaces) {
   small_png();
   GltfTriangle triangle;
   triangle.primitives =
@@ -156,9 +157,25 @@ TEST(Gltf, TheFirstTextureSaysAtWhichCoordinatesAllAreRead) {
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"scale": [2, 1], "offset": [0.5, 0]}}}}, "normalTexture": {"index": 0}}])";
   const LoadedModel model = load(triangle);
-  EXPECT_EQ(model.meshes[0].texture_coordinates, (std::vector<Vec2>{{1, 1}, {2.5, 1}, {1, 0.25}}));
-  ASSERT_EQ(model.warnings.size(), 1u);  // about the normal map
-  EXPECT_NE(model.warnings[0].find("different coordinates; those of the first are used for all"), std::string::npos);
+  // The normal map is at the coordinates of the mesh, the colour at places of its own.
+  EXPECT_TRUE(model.warnings.empty());
+  EXPECT_EQ(model.meshes[0].texture_coordinates, (std::vector<Vec2>{{0.25, 1}, {1, 1}, {0.25, 0.25}}));
+  const PlacedTexture& moved = std::get<PrincipledMaterial>(model.materials[0].surface).base_color.texture;
+  EXPECT_EQ((std::array{moved.uu, moved.uv, moved.u0}), (std::array{2.0, 0.0, 0.5}));
+  EXPECT_EQ((std::array{moved.vu, moved.vv, moved.v0}), (std::array{0.0, 1.0, 0.0}));
+  // Both moved: the colour relative to the normal map, (2u + 0.5)/4 = (4u + 1)/8.
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
+    {"KHR_texture_transform": {"scale": [2, 1], "offset": [0.5, 0]}}}}, "normalTexture": {"index": 0, "extensions":
+    {"KHR_texture_transform": {"scale": [4, 1], "offset": [1, 0]}}}}])";
+  const LoadedModel both = load(triangle);
+  const PlacedTexture& half = std::get<PrincipledMaterial>(both.materials[0].surface).base_color.texture;
+  EXPECT_EQ((std::array{half.uu, half.uv, half.u0}), (std::array{0.5, 0.0, 0.0}));
+  // Another set of coordinates is not to be had.
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}},
+    "normalTexture": {"index": 0}}])";
+  const LoadedModel two = load(triangle);
+  ASSERT_EQ(two.warnings.size(), 1u);
+  EXPECT_NE(two.warnings[0].find("different sets of coordinates; those of the first are used"), std::string::npos);
   // Counter-clockwise as seen with v down: u turns to −v.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}}}])";
@@ -227,23 +244,88 @@ TEST(Gltf, AMirroringNodeKeepsTheFrontInFront) {
 
 TEST(Gltf, MaterialsWithFullTransmissionAreGlass) {
   LoadedModel model;
-  const Material pane = material(R"([{"pbrMetallicRoughness": {"roughnessFactor": 0.25}, "extensions":
+  const Material pane = material(R"([{"pbrMetallicRoughness": {"roughnessFactor": 0}, "extensions":
     {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.25}}}])",
                                  &model);
   EXPECT_TRUE(model.warnings.empty());
   const auto& glass = std::get<DielectricMaterial>(pane.surface);
   EXPECT_EQ(index_at(glass.index, 532e-9), std::complex<double>(1.25));
-  EXPECT_EQ(glass.roughness, 0.25);
   EXPECT_TRUE(glass.is_thin);  // without a volume
   const Material solid = material(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
     "KHR_materials_volume": {"thicknessFactor": 0.5}}}])");
   EXPECT_FALSE(std::get<DielectricMaterial>(solid.surface).is_thin);
   EXPECT_EQ(index_at(std::get<DielectricMaterial>(solid.surface).index, 532e-9), std::complex<double>(1.5));
-  const Material partly =
-      material(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}])", &model);
-  EXPECT_TRUE(std::holds_alternative<MetallicRoughnessMaterial>(partly.surface));
-  ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("partly transparent; it is shown opaque"), std::string::npos);
+}
+
+const PrincipledMaterial& layers_of(const Material& material) { return std::get<PrincipledMaterial>(material.surface); }
+
+TEST(Gltf, ExtensionsOfMaterialsAreLayers) {
+  LoadedModel model;
+  const Material all =
+      material(R"([{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1], "metallicFactor": 0.5,
+    "roughnessFactor": 0.75}, "extensions": {
+    "KHR_materials_transmission": {"transmissionFactor": 0.5},
+    "KHR_materials_volume": {"thicknessFactor": 1, "attenuationColor": [1, 0.5, 0.25], "attenuationDistance": 0.125},
+    "KHR_materials_ior": {"ior": 1.25}, "KHR_materials_specular": {"specularFactor": 0.5,
+    "specularColorFactor": [2, 1, 0.5]}, "KHR_materials_clearcoat": {"clearcoatFactor": 0.5,
+    "clearcoatRoughnessFactor": 0.25}, "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0, 0], "sheenRoughnessFactor": 0.5},
+    "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": 0.25},
+    "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.25,
+    "diffuseTransmissionColorFactor": [0, 1, 0]}}}])",
+               &model);
+  EXPECT_TRUE(model.warnings.empty());
+  const PrincipledMaterial& m = layers_of(all);
+  EXPECT_EQ(m.base_color.value, (Vec3{0.5, 0.25, 1}));
+  EXPECT_EQ(m.metalness.value, 0.5);
+  EXPECT_EQ(m.roughness.value, 0.75);
+  EXPECT_EQ(m.transmission.value, 0.5);
+  EXPECT_FALSE(m.is_thin);
+  EXPECT_EQ(m.attenuation_color, (Vec3{1, 0.5, 0.25}));
+  EXPECT_EQ(m.attenuation_distance, 0.125);
+  EXPECT_EQ(index_at(m.index, 532e-9), std::complex<double>(1.25));
+  EXPECT_EQ(m.specular.value, 0.5);
+  EXPECT_EQ(m.specular_color.value, (Vec3{2, 1, 0.5}));
+  EXPECT_EQ(m.clearcoat.value, 0.5);
+  EXPECT_EQ(m.clearcoat_roughness.value, 0.25);
+  EXPECT_EQ(m.sheen_color.value, (Vec3{0.5, 0, 0}));
+  EXPECT_EQ(m.sheen_roughness.value, 0.5);
+  EXPECT_EQ(m.anisotropy.value, 0.5);
+  EXPECT_EQ(m.anisotropy_rotation, 0.25);
+  EXPECT_EQ(m.diffuse_transmission.value, 0.25);
+  EXPECT_EQ(m.diffuse_transmission_color.value, (Vec3{0, 1, 0}));
+
+  const Material film = material(R"([{"extensions": {"KHR_materials_iridescence": {"iridescenceFactor": 1,
+    "iridescenceIor": 1.75, "iridescenceThicknessMinimum": 50, "iridescenceThicknessMaximum": 500}}}])");
+  EXPECT_EQ(layers_of(film).iridescence_index, 1.75);
+  EXPECT_NEAR(layers_of(film).least_thickness, 50e-9, 1e-20);  // rounding
+  EXPECT_NEAR(layers_of(film).film_thickness, 500e-9, 1e-20);
+  EXPECT_EQ(layers_of(film).metalness.value, 1);
+
+  const Material sheet = material(R"([{"pbrMetallicRoughness": {"roughnessFactor": 0.5}, "extensions":
+    {"KHR_materials_transmission": {"transmissionFactor": 1}}}])");
+  EXPECT_TRUE(layers_of(sheet).is_thin);
+  // An extension that does nothing leaves the core's model.
+  EXPECT_TRUE(std::holds_alternative<MetallicRoughnessMaterial>(
+      material(R"([{"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0}}}])").surface));
+}
+
+TEST(Gltf, DispersionIsTwentyOverAbbesNumber) {
+  const Material flint = material(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+    "KHR_materials_volume": {"thicknessFactor": 0.5}, "KHR_materials_ior": {"ior": 1.75},
+    "KHR_materials_dispersion": {"dispersion": 0.5}}}])");
+  const RefractiveIndex& index = std::get<DielectricMaterial>(flint.surface).index;
+  const auto n = [&](double wavelength) { return index_at(index, wavelength).real(); };
+  // V = (n_d − 1)/(n_F − n_C); the samples every 10 nm, linear between, are off by some 1e-4.
+  EXPECT_NEAR(n(587.6e-9), 1.75, 2e-4);
+  EXPECT_NEAR((n(587.6e-9) - 1) / (n(486.1e-9) - n(656.3e-9)), 20 / 0.5, 0.3);
+}
+
+TEST(Gltf, SpecularGlossinessKeepsItsColourOfReflection) {
+  const PrincipledMaterial m = layers_of(material(R"([{"extensions": {"KHR_materials_pbrSpecularGlossiness":
+    {"diffuseFactor": [0.5, 0.5, 0.5, 1], "specularFactor": [0.25, 0.5, 1], "glossinessFactor": 0.75}}}])"));
+  EXPECT_EQ(m.roughness.value, 0.25);
+  EXPECT_EQ(m.metalness.value, 0);
+  EXPECT_NEAR(m.specular_color.value.x * 0.04, 0.25, 1e-12);  // F₀ of the index 1.5 is 0.04
 }
 
 TEST(Gltf, AnUnlitSurfaceShinesInItsColour) {
@@ -269,17 +351,54 @@ TEST(Gltf, AlphaIsTheOpacityOfMasksAndBlends) {
   EXPECT_EQ(material(R"(, "alphaMode": "MASK")", "").opacity, 0.3);
 }
 
+TEST(Gltf, VariantsHaveMaterialsOfTheirOwn) {
+  GltfTriangle triangle;
+  triangle.materials = R"([{"emissiveFactor": [1, 0, 0]}, {"emissiveFactor": [0, 1, 0]}])";
+  triangle.primitives = R"([{"attributes": {"POSITION": 0}, "indices": 4, "material": 0, "extensions":
+    {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [1]}]}}}])";
+  triangle.more = R"("extensionsUsed": ["KHR_materials_variants"], "extensions": {"KHR_materials_variants":
+    {"variants": [{"name": "beach"}, {"name": "street"}]}}, )";
+  const std::string file = make_file("m.gltf", triangle.text());
+  const auto emission = [&](const std::string& variant) {
+    const LoadedModel model = load_meshes(file, Outside::refused, {.variant = variant});
+    EXPECT_TRUE(model.warnings.empty());
+    return model.materials.at(size_t(model.meshes.at(0).material)).emission;
+  };
+  EXPECT_EQ(emission(""), (Vec3{1, 0, 0}));
+  EXPECT_EQ(emission("beach"), (Vec3{1, 0, 0}));  // without a material of its own
+  EXPECT_EQ(emission("street"), (Vec3{0, 1, 0}));
+  EXPECT_EQ(error_of([&] { emission("beech"); }), file + ": unknown variant \"beech\"; did you mean \"beach\"?");
+}
+
+TEST(Gltf, InstancesAreCopiesOfTheirNode) {
+  // Three copies, moved by (0, 0, 0), (1, 0, 0) and (0, 1, 0) inside a node of twice the size.
+  GltfTriangle triangle;
+  triangle.nodes = R"([{"mesh": 0, "scale": [2, 2, 2], "extensions": {"EXT_mesh_gpu_instancing":
+    {"attributes": {"TRANSLATION": 0}}}}])";
+  triangle.more =
+      R"("extensionsUsed": ["EXT_mesh_gpu_instancing"], "extensionsRequired": ["EXT_mesh_gpu_instancing"], )";
+  const LoadedModel model = load(triangle);
+  EXPECT_TRUE(model.warnings.empty());
+  ASSERT_EQ(model.meshes.size(), 3u);
+  EXPECT_EQ(model.meshes[0].positions[1], (Vec3{2, 0, 0}));
+  EXPECT_EQ(model.meshes[1].positions[0], (Vec3{2, 0, 0}));
+  EXPECT_EQ(model.meshes[2].positions[1], (Vec3{2, 2, 0}));
+  triangle.nodes = R"([{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0,
+    "ROTATION": 5}}}}])";
+  EXPECT_NE(error_of([&] { load(triangle); }).find("expected a glTF model, but it is damaged"), std::string::npos);
+}
+
 TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
   GltfTriangle triangle;
-  triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
-    {"name": "b", "alphaMode": "MASK", "extensions": {"KHR_materials_clearcoat": {}}},
+  triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_velvet": {}}},
+    {"name": "b", "alphaMode": "MASK", "extensions": {"KHR_materials_velvet": {}}},
     {"name": "c", "alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}}])";
-  triangle.more = R"("extensionsUsed": ["KHR_lights_punctual", "KHR_materials_clearcoat", "EXT_mesh_gpu_instancing"],
+  triangle.more = R"("extensionsUsed": ["KHR_lights_punctual", "KHR_materials_velvet", "EXT_unheard_of"],
     "animations": [{"channels": [], "samplers": []}], "cameras": [{"type": "perspective"}], "skins": [{"joints": [0]}], )";
   const LoadedModel model = load(triangle);
-  std::vector<std::string> expected{"material \"a\" has the extension KHR_materials_clearcoat; it is ignored",
+  std::vector<std::string> expected{"material \"a\" has the extension KHR_materials_velvet; it is ignored",
                                     "cameras are ignored", "the model's lights are ignored; place them in the scene",
-                                    "the extension EXT_mesh_gpu_instancing is ignored"};
+                                    "the extension EXT_unheard_of is ignored"};
   const std::string path = test::temporary("m.gltf");
   for (std::string& sentence : expected) sentence = path + ": " + sentence;
   EXPECT_EQ(model.warnings, expected);

@@ -55,6 +55,33 @@ Job job_of(const std::string& file, const ModelParams& params = {}) {
 
 ModelParams upright_model() { return {.rotation = {"y 0 deg"}, .floor = ModelFloor::none}; }
 
+// A model is scaled with what it absorbs: light loses as much on its way through it as before.
+TEST(ModelJob, AbsorptionIsScaledWithItsModel) {
+  test::GltfTriangle triangle;
+  triangle.materials =
+      R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume":
+    {"thicknessFactor": 1, "attenuationColor": [0.5, 1, 1], "attenuationDistance": 0.25}}}])";
+  const std::string file = test::make_file("m.gltf", triangle.text());
+  const auto distances = [](const Scene& scene) {
+    std::vector<double> all;
+    for (const Mesh& mesh : scene.meshes)
+      if (const auto* layers = std::get_if<PrincipledMaterial>(&scene.materials[size_t(mesh.material)].surface))
+        all.push_back(layers->attenuation_distance);
+    return all;
+  };
+  const std::string text = "wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = \"m.gltf\"\n";
+  const Job job = load_job(test::make_file("scene.toml", text + "fit = \"2 mm\"\nposition = \"0 0 -300 mm\"\n" +
+                                                             text.substr(text.find("[[")) +
+                                                             "scale = 3\nposition = \"0 0 -9 m\"\n"));
+  ASSERT_EQ(distances(job.scene).size(), 2u);
+  EXPECT_DOUBLE_EQ(distances(job.scene)[0], 0.25 * 2e-3);  // the sides of 1 m are 2 mm
+  EXPECT_DOUBLE_EQ(distances(job.scene)[1], 0.25 * 3);
+  const Job alone = job_of(file, upright_model());
+  const Box box = box_of(alone);
+  ASSERT_EQ(distances(alone.scene).size(), 1u);
+  EXPECT_NEAR(distances(alone.scene)[0], 0.25 * (box.high.x - box.low.x), 1e-9);  // as the side of 1 m is
+}
+
 // Seen from 18° above, the bounds fill 0.8 of the height or width of the panel's window of 15.36 mm × 8.64 mm, in its
 // middle, 300 mm away.
 TEST(ModelJob, AModelAloneFillsTheView) {

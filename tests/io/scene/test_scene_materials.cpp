@@ -103,11 +103,56 @@ TEST(SceneMaterials, TexturesOfColourAreDecodedAndThoseOfNumbersAreNot) {
   EXPECT_FALSE(m.two_sided);
 }
 
+TEST(SceneMaterials, PrincipledHasTheKeysOfItsLayers) {
+  texture("t.png");
+  const Material material_of_all = material(
+      "type = \"principled\"\nbase_color = [1, 0.5, 0]\nmetalness = 0.25\nroughness_texture = \"t.png\"\nindex = 1.75\n"
+      "specular = 0.5\nspecular_color = [2, 1, 0]\nanisotropy = 0.5\nanisotropy_rotation = \"90 deg\"\n"
+      "transmission = 0.75\nattenuation_color = [1, 0.5, 0.25]\nattenuation_distance = \"10 mm\"\n"
+      "diffuse_transmission = 0.125\ndiffuse_transmission_color = [0, 1, 0]\nclearcoat = 0.5\n"
+      "clearcoat_roughness = 0.25\nclearcoat_index = 1.25\nsheen_color_texture = \"t.png\"\nsheen_roughness = 0.75\n"
+      "iridescence = 0.5\niridescence_index = 2\niridescence_thickness = \"500 nm\"\n"
+      "iridescence_least_thickness = \"200 nm\"\niridescence_thickness_texture = \"t.png\"");
+  const auto& m = std::get<PrincipledMaterial>(material_of_all.surface);
+  EXPECT_EQ(m.base_color.value, (Vec3{1, 0.5, 0}));
+  EXPECT_EQ(m.metalness.value, 0.25);
+  EXPECT_EQ(m.roughness.value, 1);  // the texture alone
+  EXPECT_EQ(m.roughness.texture.image->channels, 1);
+  EXPECT_EQ(m.roughness.texture.image->values[0], 188 / 255.f);  // not decoded
+  EXPECT_EQ(index_at(m.index, 500e-9).real(), 1.75);
+  EXPECT_EQ(m.specular.value, 0.5);
+  EXPECT_EQ(m.specular_color.value, (Vec3{2, 1, 0}));
+  EXPECT_EQ(m.anisotropy.value, 0.5);
+  EXPECT_DOUBLE_EQ(m.anisotropy_rotation, pi / 2);
+  EXPECT_EQ(m.transmission.value, 0.75);
+  EXPECT_FALSE(m.is_thin);
+  EXPECT_EQ(m.attenuation_color, (Vec3{1, 0.5, 0.25}));
+  EXPECT_DOUBLE_EQ(m.attenuation_distance, 10e-3);
+  EXPECT_EQ(m.diffuse_transmission.value, 0.125);
+  EXPECT_EQ(m.diffuse_transmission_color.value, (Vec3{0, 1, 0}));
+  EXPECT_EQ(m.clearcoat.value, 0.5);
+  EXPECT_EQ(m.clearcoat_roughness.value, 0.25);
+  EXPECT_EQ(m.clearcoat_index, 1.25);
+  EXPECT_EQ(m.sheen_color.texture.image->values[0], float(srgb_decode(188 / 255.)));
+  EXPECT_EQ(m.sheen_roughness.value, 0.75);
+  EXPECT_EQ(m.iridescence.value, 0.5);
+  EXPECT_EQ(m.iridescence_index, 2);
+  EXPECT_DOUBLE_EQ(m.film_thickness, 500e-9);
+  EXPECT_DOUBLE_EQ(m.least_thickness, 200e-9);
+  EXPECT_TRUE(m.thickness_texture.image);
+  EXPECT_EQ(error_of_material("type = \"principled\"\nclearcoat = 1.5"),
+            "4:13: expected a number from 0 to 1 for \"clearcoat\", got 1.5");
+  EXPECT_EQ(error_of_material("type = \"principled\"\niridescence_index = 0.5"),
+            "4:21: expected a number of 1 or more for \"iridescence_index\", got 0.5");
+  EXPECT_EQ(error_of_material("type = \"principled\"\nattenuation_distance = \"0 mm\""),
+            "4:24: expected a length above 0 m for \"attenuation_distance\", got 0 m");
+}
+
 TEST(SceneMaterials, UnknownNamesSuggestTheNearest) {
   EXPECT_EQ(error_of_material("type = \"dielectrik\""),
             "3:8: unknown material type \"dielectrik\"; did you mean \"dielectric\"?");
-  EXPECT_EQ(error_of_material("type = \"principled\""),
-            "3:8: unknown material type \"principled\"; did you mean \"metallic-roughness\"?");
+  EXPECT_EQ(error_of_material("type = \"metal-roughness\""),
+            "3:8: unknown material type \"metal-roughness\"; did you mean \"metallic-roughness\"?");
   EXPECT_EQ(error_of_material("type = \"conductor\"\nmetal = \"Agg\""),
             "4:9: unknown metal \"Agg\"; did you mean \"Ag\"?");
   EXPECT_EQ(error_of_material("type = \"dielectric\"\nglass = \"BK8\""),

@@ -44,7 +44,7 @@ std::optional<SphereMap> map_of(Draws draws) {
   return spread > 0.05 ? SphereMap({0, 0, 1}, 1e6) : SphereMap(middle, spread);
 }
 
-void expect_sampler_of(const std::vector<NamedSurface>& surfaces) {
+void expect_sampler_of(const std::vector<NamedSurface>& surfaces, int draws_of_each = 100000) {
   const int tests = 2 * int(surfaces.size()) * int(std::size(view_angles));
   for (const NamedSurface& surface : surfaces)
     for (double angle : view_angles)
@@ -59,7 +59,7 @@ void expect_sampler_of(const std::vector<NamedSurface>& surfaces) {
           const auto density = [&](Vec3 incoming) {
             return (incoming.z < 0) == is_transmission ? pdf_bsdf(surface.bsdf, outgoing, incoming, lobe) : 0;
           };
-          const SphereTest test = test_sphere_sampling(*map, 100000, Draws(draws), density);
+          const SphereTest test = test_sphere_sampling(*map, draws_of_each, Draws(draws), density);
           EXPECT_GT(test.chi_square.p_value, sidak_level(level, tests))
               << surface.name << " at " << angle << "°, lobe " << int(lobe) << ", transmission " << is_transmission
               << ": χ² " << test.chi_square.statistic << " of " << test.chi_square.degrees_of_freedom << " degrees";
@@ -74,6 +74,8 @@ TEST(BsdfSampling, DiffuseDirectionsFollowTheirDensity) { expect_sampler_of(diff
 TEST(BsdfSampling, ConductorsDirectionsFollowTheirDensity) { expect_sampler_of(conductor_surfaces()); }
 TEST(BsdfSampling, DielectricsDirectionsFollowTheirDensity) { expect_sampler_of(dielectric_surfaces()); }
 TEST(BsdfSampling, MetallicRoughnessDirectionsFollowTheirDensity) { expect_sampler_of(metallic_surfaces()); }
+
+TEST(BsdfSampling, LayeredDirectionsFollowTheirDensity) { expect_sampler_of(principled_surfaces(), 30000); }
 
 TEST(BsdfSampling, TheChiSquareTestRejectsAWrongDensity) {
   // A deviation that the test must detect: directions by cosθ/π against a density 5 % too large on one side.
@@ -120,7 +122,9 @@ TEST(BsdfSampling, AWeightIsTheValueOverTheDensity) {
 }
 
 TEST(BsdfSampling, BranchesAreWhatIsDrawn) {
-  for (const auto& surface : specular_surfaces())
+  std::vector<NamedSurface> surfaces = specular_surfaces();
+  for (const NamedSurface& surface : smooth_layers()) surfaces.push_back(surface);
+  for (const auto& surface : surfaces)
     for (double angle : {0.0, 45.0, 80.0}) {
       const Vec3 outgoing = view_direction_at(angle);
       const SpecularBranches both = specular_branches(surface.bsdf, outgoing);
@@ -161,7 +165,9 @@ TEST(BsdfSampling, NothingLeaksThroughASurfaceNorBreaksAtItsEdges) {
       const double sine = std::sqrt(1 - cosine * cosine);
       const Vec3 outgoing{sine, 0, cosine};
       const Bsdf bsdf = make_bsdf(material, point, Lines{});
-      const bool transmits = std::holds_alternative<DielectricMaterial>(material.surface);
+      const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+      const bool transmits = std::holds_alternative<DielectricMaterial>(material.surface) ||
+                             (layers && layers->transmission.value + layers->diffuse_transmission.value > 0);
       for (int j = 0; j < 20; ++j) {
         const double u_lobe = random.uniform(), u = random.uniform();
         const auto way = sample_bsdf(bsdf, outgoing, u_lobe, {u, random.uniform()});

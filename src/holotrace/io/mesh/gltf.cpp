@@ -59,9 +59,9 @@ void check_version(const GltfFile& gltf) {
 
 // Refuses files that require an extension without which they cannot be read.
 void check_required_extensions(const GltfFile& gltf) {
-  constexpr std::array harmless{"KHR_texture_transform",      "KHR_lights_punctual",    "EXT_texture_webp",
-                                "KHR_mesh_quantization",      "KHR_animation_pointer",  "KHR_node_visibility",
-                                "KHR_draco_mesh_compression", "EXT_meshopt_compression"};
+  constexpr std::array harmless{"KHR_texture_transform",      "KHR_lights_punctual",     "EXT_texture_webp",
+                                "KHR_mesh_quantization",      "KHR_animation_pointer",   "KHR_node_visibility",
+                                "KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
   for (const Json& item : gltf.document.value("extensionsRequired", Json::array())) {
     const std::string name = item.get<std::string>();
     if (name.starts_with("KHR_materials_") || std::find(harmless.begin(), harmless.end(), name) != harmless.end())

@@ -55,11 +55,11 @@ std::vector<uint32_t> gltf_indices(const GltfFile& gltf, size_t accessor);
 
 /// The materials of a glTF 2.0 model, in its order, followed by the material of primitives that have none.
 ///
-/// Supported: the core's metallic-roughness model with its textures, normal map and emission, and the extensions
-/// KHR_materials_emissive_strength, _unlit (a surface that emits its colour), _transmission with a factor of 1, with
-/// _ior and _volume (glass; a pane if it has no thickness), _pbrSpecularGlossiness (its diffuse colour and glossiness)
-/// and KHR_texture_transform. A warning names the rest, once per feature: partial transmission and alpha
-/// transparency, coats, sheen, and textures of one material at different coordinates.
+/// Supported: the core's metallic-roughness model with its textures, normal map, emission and opacity, KHR_texture_transform of
+/// each texture, and KHR_materials_emissive_strength, _unlit (a surface that emits its colour), _transmission, _volume, _ior,
+/// _dispersion, _specular, _clearcoat, _sheen, _anisotropy, _iridescence, _diffuse_transmission and _pbrSpecularGlossiness.
+/// A material with layers is a PrincipledMaterial, clear glass a DielectricMaterial (a pane if it has no thickness). A warning
+/// names the rest, once per feature: textures at several sets of coordinates, normals of coats.
 /// @throws Error naming the file if the data are damaged
 std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn);
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "holotrace/base/error.h"
@@ -24,41 +25,40 @@ class Materials {
   FileMaterial read(const Json& source, const std::string& name) {
     result_ = {};
     name_ = name;
+    is_layered_ = false;
     const Json& extensions = member(source, "extensions");
     const Json& core = member(source, "pbrMetallicRoughness");
-    MetallicRoughnessMaterial surface;
-    surface.base_color = colour(core, "baseColorFactor");
-    surface.base_texture = texture(core, "baseColorTexture", ImageContent::colour);
-    surface.metallic = clip(core.value("metallicFactor", 1.0));
-    surface.roughness = clip(core.value("roughnessFactor", 1.0));
-    surface.metallic_texture = texture(core, "metallicRoughnessTexture", ImageContent::data);
-    if (extensions.contains("KHR_materials_pbrSpecularGlossiness"))
-      surface = specular_glossiness(extensions["KHR_materials_pbrSpecularGlossiness"]);
-
     Material& material = result_.material;
-    material.emission_texture = texture(source, "emissiveTexture", ImageContent::colour);
+    // Textures of all surfaces are at the coordinates of the mesh, those of layers may be elsewhere.
+    material.emission_texture = texture_of_mesh(source, "emissiveTexture", ImageContent::colour);
     material.emission = vector(source, "emissiveFactor", {0, 0, 0}) *
                         member(extensions, "KHR_materials_emissive_strength").value("emissiveStrength", 1.0);
     require(
         is_finite(material.emission) && std::min({material.emission.x, material.emission.y, material.emission.z}) >= 0,
         "{}: expected emissive factors of 0 or more in material \"{}\"", gltf_.path, name_);
-    material.normal_map = texture(source, "normalTexture", ImageContent::data);
+    material.normal_map = texture_of_mesh(source, "normalTexture", ImageContent::data);
     material.normal_scale = member(source, "normalTexture").value("scale", 1.0);
     read_opacity(source, core, material);
 
-    const double index = member(extensions, "KHR_materials_ior").value("ior", 1.5);
-    const Json& transmission = member(extensions, "KHR_materials_transmission");
-    const double transmitted = transmission.value("transmissionFactor", 0.0);
+    PrincipledMaterial layers = base(core);
+    const Texture base_texture = layers.base_color.texture.image;
+    const PlacedTexture metallic = texture(core, "metallicRoughnessTexture", ImageContent::data);
+    if (extensions.contains("KHR_materials_pbrSpecularGlossiness"))
+      layers = specular_glossiness(extensions["KHR_materials_pbrSpecularGlossiness"]);
+    read_layers(extensions, layers, metallic.image != nullptr);
     if (extensions.contains("KHR_materials_unlit")) {
       material.surface = DiffuseMaterial{{0, 0, 0}};
-      material.emission = surface.base_color;
-      material.emission_texture = surface.base_texture;
-    } else if (transmitted == 1 && !transmission.contains("transmissionTexture") && index > 0) {
-      material.surface = glass(surface, index, member(extensions, "KHR_materials_volume"));
+      material.emission = layers.base_color.value;
+      material.emission_texture = base_texture;
+    } else if (is_layered_) {
+      if (!layers.roughness.texture.image) layers.roughness.texture = channel(metallic, 1);
+      if (layers.metalness.value > 0) layers.metalness.texture = channel(metallic, 2);
+      material.surface = std::move(layers);
+    } else if (layers.transmission.value == 1) {
+      material.surface = DielectricMaterial{std::move(layers.index), layers.roughness.value, layers.is_thin};
     } else {
-      if (transmitted > 0) warn("partly see-through", "is partly transparent; it is shown opaque");
-      if (index != 1.5) warn("index", "has a clear coat of an index other than 1.5; 1.5 is used");
-      material.surface = surface;
+      material.surface = MetallicRoughnessMaterial{layers.base_color.value, base_texture, layers.metalness.value,
+                                                   layers.roughness.value, metallic.image};
     }
     warn_of_extensions(extensions);
     return std::move(result_);
@@ -66,6 +66,7 @@ class Materials {
 
  private:
   static constexpr double least_cutoff = 1e-9;  // a cutoff of 0 shows all but is a mask, too
+  static constexpr double most_index = 1e4;
 
   void warn(const std::string& feature, const std::string& what) {
     warn_(feature, fmt::format("material \"{}\" {}", name_, what));
@@ -93,21 +94,73 @@ class Materials {
     return -1;
   }
 
-  Texture texture(const Json& parent, const char* key, ImageContent content) {
-    if (!parent.contains(key)) return nullptr;
+  PlacedTexture texture(const Json& parent, const char* key, ImageContent content) {
+    if (!parent.contains(key)) return {};
     const Json& info = parent[key];
     const Json& source = gltf_.document.at("textures").at(gltf_count(gltf_, info.at("index")));
-    const Texture image = load(image_of(source), content);
-    if (!image) return nullptr;
-    if (!result_.add_texture(coordinates_of(info)))
-      warn("coordinates", "has textures with different coordinates; those of the first are used for all");
+    PlacedTexture found{load(image_of(source), content)};
+    if (!found.image) return {};
+    const TextureCoordinates at = coordinates_of(info);
+    if (!result_.add_texture(at)) {
+      if (!place(at, result_.coordinates, found))
+        warn("coordinates", "has textures at different sets of coordinates; those of the first are used for all");
+      is_layered_ = true;
+    }
     if (source.contains("sampler")) {
       const Json& sampler = gltf_.document.at("samplers").at(gltf_count(gltf_, source["sampler"]));
       constexpr size_t repeat = 10497;
       for (const char* axis : {"wrapS", "wrapT"})
         result_.repeats = result_.repeats && gltf_count(gltf_, sampler, axis, repeat) == repeat;
     }
-    return image;
+    return found;
+  }
+
+  // The same, for textures that only have the coordinates of the mesh.
+  Texture texture_of_mesh(const Json& parent, const char* key, ImageContent content) {
+    const bool was_layered = is_layered_;
+    const PlacedTexture found = texture(parent, key, content);
+    if (is_layered_ && !was_layered)
+      warn(
+          "coordinates of " + std::string(key),
+          "has textures of emission, normals and opacity at different coordinates; those of the first are used for all "
+          "three");
+    is_layered_ = was_layered;
+    return found.image;
+  }
+
+  // Where a texture is read, from the coordinates of another one; false if both are not of one set.
+  static bool place(const TextureCoordinates& at, const TextureCoordinates& of_mesh, PlacedTexture& texture) {
+    const auto affine = [](const TextureCoordinates& t) {
+      const Vec2 o = transform_coordinates(t, {0, 0}), u = transform_coordinates(t, {1, 0}),
+                 v = transform_coordinates(t, {0, 1});
+      return PlacedTexture{{}, u.x - o.x, v.x - o.x, o.x, u.y - o.y, v.y - o.y, o.y};
+    };
+    const PlacedTexture to = affine(at), from = affine(of_mesh);
+    const double size = from.uu * from.vv - from.uv * from.vu;
+    if (at.set != of_mesh.set || size == 0) return false;
+    texture.uu = (to.uu * from.vv - to.uv * from.vu) / size;
+    texture.uv = (to.uv * from.uu - to.uu * from.uv) / size;
+    texture.vu = (to.vu * from.vv - to.vv * from.vu) / size;
+    texture.vv = (to.vv * from.uu - to.vu * from.uv) / size;
+    texture.u0 = to.u0 - texture.uu * from.u0 - texture.uv * from.v0;
+    texture.v0 = to.v0 - texture.vu * from.u0 - texture.vv * from.v0;
+    return true;
+  }
+
+  // One channel of a texture: red, green, blue or, 3, alpha.
+  PlacedTexture channel(const Json& parent, const char* key, int of) {
+    if (of < 3) return channel(texture(parent, key, ImageContent::data), of);
+    PlacedTexture alpha = texture(parent, key, ImageContent::alpha);
+    if (alpha.image && !is_alpha(*alpha.image)) alpha.image = nullptr;
+    return alpha;
+  }
+
+  PlacedTexture channel(PlacedTexture of_colours, int of) {
+    if (!of_colours.image) return of_colours;
+    Texture& part = channels_[{of_colours.image, of}];
+    if (!part) part = std::make_shared<Image>(channel_of(*of_colours.image, of));
+    of_colours.image = part;
+    return of_colours;
   }
 
   TextureCoordinates coordinates_of(const Json& info) {
@@ -145,22 +198,133 @@ class Materials {
     return loaded = std::make_shared<Image>(std::move(decoded));
   }
 
-  DielectricMaterial glass(const MetallicRoughnessMaterial& surface, double index, const Json& volume) {
-    if (!(surface.base_color == Vec3{1, 1, 1}) || surface.base_texture || volume.contains("attenuationColor"))
-      warn("tint", "is tinted glass; it is shown clear");
-    if (surface.metallic_texture)
-      warn("rough glass", "is glass with a roughness texture; only its roughness factor is used");
-    return {constant_index(index), surface.roughness, volume.value("thicknessFactor", 0.0) == 0};
+  // The core's model, without its textures of roughness and metalness.
+  PrincipledMaterial base(const Json& core) {
+    PrincipledMaterial surface;
+    surface.base_color = {colour(core, "baseColorFactor"), texture(core, "baseColorTexture", ImageContent::colour)};
+    surface.metalness = {clip(core.value("metallicFactor", 1.0))};
+    surface.roughness = {clip(core.value("roughnessFactor", 1.0))};
+    return surface;
   }
 
-  MetallicRoughnessMaterial specular_glossiness(const Json& source) {
-    warn("specular-glossiness", "uses specular-glossiness; its specular colour is ignored");
-    MetallicRoughnessMaterial surface;
-    surface.base_color = colour(source, "diffuseFactor");
-    surface.base_texture = texture(source, "diffuseTexture", ImageContent::colour);
-    surface.metallic = 0;
-    surface.roughness = 1 - clip(source.value("glossinessFactor", 1.0));
+  // Specular-glossiness: F₀ is its specular colour, which 0.04·specular_color is here, too.
+  PrincipledMaterial specular_glossiness(const Json& source) {
+    constexpr double f0_of_glass = 0.04;
+    PrincipledMaterial surface;
+    surface.base_color = {colour(source, "diffuseFactor"), texture(source, "diffuseTexture", ImageContent::colour)};
+    surface.specular_color = {vector(source, "specularFactor", {1, 1, 1}) / f0_of_glass,
+                              texture(source, "specularGlossinessTexture", ImageContent::colour)};
+    const double glossiness = clip(source.value("glossinessFactor", 1.0));
+    surface.roughness = {1 - glossiness};
+    if (PlacedTexture gloss = channel(source, "specularGlossinessTexture", 3); gloss.image) {
+      Image rough = *gloss.image;
+      for (float& value : rough.values) value = float(1 - glossiness * double(value));
+      gloss.image = std::make_shared<Image>(std::move(rough));
+      surface.roughness = {1, gloss};
+    }
+    is_layered_ = true;
     return surface;
+  }
+
+  TexturedNumber number(const Json& extension, const char* factor, double otherwise, const char* texture_key,
+                        int of_channel) {
+    return {clip(extension.value(factor, otherwise)), channel(extension, texture_key, of_channel)};
+  }
+
+  // The extensions of materials that are layers.
+  void read_layers(const Json& extensions, PrincipledMaterial& surface, bool has_roughness_texture) {
+    const double ior = member(extensions, "KHR_materials_ior").value("ior", 1.5);
+    require(std::isfinite(ior) && ior >= 0, "{}: expected an index of 0 or more in material \"{}\", got {:g}",
+            gltf_.path, name_, ior);
+    const double index = ior >= 1 ? ior : most_index;  // 0 asks for total reflection
+    const double dispersion = member(extensions, "KHR_materials_dispersion").value("dispersion", 0.0);
+    surface.index = dispersion > 0 ? dispersive(index, dispersion) : constant_index(index);
+    is_layered_ = is_layered_ || index != 1.5;
+
+    const Json& specular = member(extensions, "KHR_materials_specular");
+    if (!specular.empty()) {
+      is_layered_ = true;
+      surface.specular = number(specular, "specularFactor", 1, "specularTexture", 3);
+      surface.specular_color = {vector(specular, "specularColorFactor", {1, 1, 1}),
+                                texture(specular, "specularColorTexture", ImageContent::colour)};
+    }
+    const Json& coat = member(extensions, "KHR_materials_clearcoat");
+    if (coat.value("clearcoatFactor", 0.0) > 0) {
+      is_layered_ = true;
+      surface.clearcoat = number(coat, "clearcoatFactor", 0, "clearcoatTexture", 0);
+      surface.clearcoat_roughness = number(coat, "clearcoatRoughnessFactor", 0, "clearcoatRoughnessTexture", 1);
+      if (coat.contains("clearcoatNormalTexture"))
+        warn("normals of coats", "has a clear coat with a normal map of its own; it has the normals of the base");
+    }
+    const Json& sheen = member(extensions, "KHR_materials_sheen");
+    if (const Vec3 tint = vector(sheen, "sheenColorFactor", {0, 0, 0}); max_component(tint) > 0) {
+      is_layered_ = true;
+      surface.sheen_color = {{clip(tint.x), clip(tint.y), clip(tint.z)},
+                             texture(sheen, "sheenColorTexture", ImageContent::colour)};
+      surface.sheen_roughness = number(sheen, "sheenRoughnessFactor", 0, "sheenRoughnessTexture", 3);
+    }
+    const Json& brushed = member(extensions, "KHR_materials_anisotropy");
+    if (brushed.value("anisotropyStrength", 0.0) > 0) {
+      is_layered_ = true;
+      surface.anisotropy = number(brushed, "anisotropyStrength", 0, "anisotropyTexture", 2);
+      surface.anisotropy_rotation = brushed.value("anisotropyRotation", 0.0);
+      surface.anisotropy_direction = texture(brushed, "anisotropyTexture", ImageContent::data);
+    }
+    const Json& film = member(extensions, "KHR_materials_iridescence");
+    if (film.value("iridescenceFactor", 0.0) > 0) {
+      constexpr double nanometre = 1e-9;
+      is_layered_ = true;
+      surface.iridescence = number(film, "iridescenceFactor", 0, "iridescenceTexture", 0);
+      surface.iridescence_index = std::max(1.0, film.value("iridescenceIor", 1.3));
+      surface.least_thickness = std::max(0.0, film.value("iridescenceThicknessMinimum", 100.0)) * nanometre;
+      surface.film_thickness = std::max(0.0, film.value("iridescenceThicknessMaximum", 400.0)) * nanometre;
+      surface.thickness_texture = channel(film, "iridescenceThicknessTexture", 1);
+    }
+    const Json& leaf = member(extensions, "KHR_materials_diffuse_transmission");
+    if (leaf.value("diffuseTransmissionFactor", 0.0) > 0) {
+      is_layered_ = true;
+      surface.diffuse_transmission = number(leaf, "diffuseTransmissionFactor", 0, "diffuseTransmissionTexture", 3);
+      surface.diffuse_transmission_color = {colour(leaf, "diffuseTransmissionColorFactor"),
+                                            texture(leaf, "diffuseTransmissionColorTexture", ImageContent::colour)};
+    }
+    read_transmission(extensions, surface, has_roughness_texture);
+  }
+
+  // Glass, clear or in part, thin or of a volume. Clear smooth glass is a case of its own, without layers.
+  void read_transmission(const Json& extensions, PrincipledMaterial& surface, bool has_roughness_texture) {
+    const Json& transmission = member(extensions, "KHR_materials_transmission");
+    const Json& volume = member(extensions, "KHR_materials_volume");
+    if (!(transmission.value("transmissionFactor", 0.0) > 0)) return;
+    surface.transmission = number(transmission, "transmissionFactor", 0, "transmissionTexture", 0);
+    surface.is_thin = !(volume.value("thicknessFactor", 0.0) > 0);
+    const Vec3 tint = colour(volume, "attenuationColor");
+    const double distance = volume.value("attenuationDistance", 0.0);
+    if (!surface.is_thin && distance > 0 && std::isfinite(distance)) {
+      surface.attenuation_color = tint;
+      surface.attenuation_distance = distance;
+    }
+    const bool is_plain = surface.transmission.value == 1 && !surface.transmission.texture.image &&
+                          surface.base_color.value == Vec3{1, 1, 1} && !surface.base_color.texture.image &&
+                          !has_roughness_texture && surface.attenuation_color == Vec3{1, 1, 1} &&
+                          !(surface.is_thin && surface.roughness.value > 0);
+    const bool has_only_index = extensions.size() == extensions.count("KHR_materials_ior") +
+                                                         extensions.count("KHR_materials_dispersion") +
+                                                         extensions.count("KHR_materials_volume") + 1;
+    is_layered_ = !(is_plain && has_only_index);
+    if (!surface.is_thin && surface.iridescence.value > 0)
+      warn("film on glass", "is solid glass with a thin film; the film is shown on its opaque part only");
+  }
+
+  // Cauchy's n = A + B/λ² with the Abbe number 20/dispersion at the lines d, F and C, in the visible range.
+  static RefractiveIndex dispersive(double index, double dispersion) {
+    constexpr double d = 587.6e-9, f = 486.1e-9, c = 656.3e-9;
+    const double b = (index - 1) * dispersion / 20 / (1 / (f * f) - 1 / (c * c)), a = index - b / (d * d);
+    RefractiveIndex result;
+    for (int nanometres = 380; nanometres <= 780; nanometres += 10) {
+      const double wavelength = nanometres * 1e-9;
+      result.samples.push_back({wavelength, std::max(1.0, a + b / (wavelength * wavelength)), 0});
+    }
+    return result;
   }
 
   // OPAQUE, MASK (with its cutoff) or BLEND: the alpha of the base colour.
@@ -168,20 +332,28 @@ class Materials {
     const std::string mode = source.value("alphaMode", "OPAQUE");
     if (mode != "MASK" && mode != "BLEND") return;
     if (core.contains("baseColorFactor")) material.opacity = clip(core["baseColorFactor"].at(3).get<double>());
-    const Texture alpha = texture(core, "baseColorTexture", ImageContent::alpha);
+    const Texture alpha = texture_of_mesh(core, "baseColorTexture", ImageContent::alpha);
     if (alpha && is_alpha(*alpha)) material.opacity_texture = alpha;
     if (mode == "MASK") material.opacity_cutoff = std::max(clip(source.value("alphaCutoff", 0.5)), least_cutoff);
   }
 
   void warn_of_extensions(const Json& extensions) {
-    constexpr std::array known{"KHR_materials_pbrSpecularGlossiness",
-                               "KHR_materials_emissive_strength",
-                               "KHR_materials_ior",
-                               "KHR_materials_transmission",
-                               "KHR_materials_volume",
-                               "KHR_materials_unlit"};
+    constexpr std::array known{"pbrSpecularGlossiness",
+                               "emissive_strength",
+                               "ior",
+                               "transmission",
+                               "volume",
+                               "unlit",
+                               "specular",
+                               "clearcoat",
+                               "sheen",
+                               "anisotropy",
+                               "iridescence",
+                               "dispersion",
+                               "diffuse_transmission"};
     for (const auto& [name, content] : extensions.items())
-      if (std::find(known.begin(), known.end(), name) == known.end())
+      if (std::none_of(known.begin(), known.end(),
+                       [&](const char* k) { return name == std::string("KHR_materials_") + k; }))
         warn(name, fmt::format("has the extension {}; it is ignored", name));
   }
 
@@ -189,7 +361,9 @@ class Materials {
   const WarnOnce& warn_;
   std::string name_;
   FileMaterial result_;
+  bool is_layered_ = false;  // it is more than the core's model, or than clear glass
   std::map<std::pair<int, ImageContent>, Texture> images_;
+  std::map<std::pair<Texture, int>, Texture> channels_;
 };
 
 }  // namespace
@@ -217,7 +391,8 @@ void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
       warn("lights", "the model's lights are ignored; place them in the scene");
     else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp" &&
              name != "KHR_animation_pointer" && name != "KHR_node_visibility" && name != "KHR_mesh_quantization" &&
-             name != "KHR_draco_mesh_compression" && name != "EXT_meshopt_compression")
+             name != "EXT_mesh_gpu_instancing" && name != "KHR_draco_mesh_compression" &&
+             name != "EXT_meshopt_compression")
       warn(name, fmt::format("the extension {} is ignored", name));
   }
 } catch (const Json::exception& e) {

@@ -39,6 +39,15 @@ bool is_mesh_file(const std::string& path) {
   return is_mesh_extension(extension) || (extension != ".toml" && !model_extension_of(path).empty());
 }
 
+bool has_absorption(const Material& material) {
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  return layers && std::isfinite(layers->attenuation_distance);
+}
+
+void scale_absorption(double factor, Material& material) {
+  if (has_absorption(material)) std::get<PrincipledMaterial>(material.surface).attenuation_distance *= factor;
+}
+
 LoadedModel load_meshes(const std::string& path, Outside outside, const PoseTime& at) {
   check_file_exists(path, "a mesh");
   // Files are named wrongly: their first bytes decide, if they tell.
@@ -52,6 +61,7 @@ LoadedModel load_meshes(const std::string& path, Outside outside, const PoseTime
   if (is_gltf) return load_gltf_mesh(path, outside, at);
   require(at.animation.empty(), "{}: expected a glTF model for the animation \"{}\", got another format", path,
           at.animation);
+  require(at.variant.empty(), "{}: expected a glTF model for the variant \"{}\", got another format", path, at.variant);
   if (extension == ".ply") return load_ply_mesh(path, outside);
   if (is_other(extension)) return load_assimp_mesh(path, extension, outside);
   return load_obj_mesh(path, outside);

@@ -18,11 +18,12 @@ struct LoadedModel {
   std::optional<double> last_key{};   ///< the end of its animation [s]; nothing if it has none
 };
 
-/// The time at which the animation of a model is read.
+/// What of a model is read: the time of its animation, and its variant.
 struct PoseTime {
   double seconds = 0;
   std::string animation{};  ///< its name; "": the first one of the file, if it has one
   bool repeats = false;     ///< whether it begins again after its last key; else it stays there
+  std::string variant{};    ///< name of a variant of its materials (KHR_materials_variants); "": its own materials
 };
 
 /// Whether load_meshes supports files with that extension or with these first bytes: .obj, .ply, .gltf, .glb, and .stl,
@@ -43,10 +44,16 @@ bool is_mesh_file(const std::string& path);
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
 ///
 /// @param outside  whether the files that it names may lie outside its folder
-/// @param at       time of the animation; files of other formats than glTF are at rest
+/// @param at       time of the animation, and variant; files of other formats than glTF are at rest and have no variants
 /// @return         without meshes if the animation hides all at that time, or scales it to 0
-/// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, for an animation that it
-///         does not have, and naming the mesh for indices that are out of range and coordinates that are not finite
+/// @throws Error naming the file if it is missing, of another kind, damaged or without triangles, for an animation or a variant
+///         that it does not have, and naming the mesh for indices that are out of range and coordinates that are not finite
 LoadedModel load_meshes(const std::string& path, Outside outside = Outside::refused, const PoseTime& at = {});
+
+/// Whether light is absorbed on its way in the solid of this material.
+bool has_absorption(const Material& material);
+
+/// The material of a model that is scaled: light loses as much in the solid as before.
+void scale_absorption(double factor, Material& material);
 
 }  // namespace holotrace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/quaternion.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/mesh/gltf.h"
@@ -22,6 +23,9 @@ const Json& list(const Json& parent, const char* key) {
   const auto found = parent.find(key);
   return found == parent.end() ? none : *found;
 }
+
+// An extension of a part of the document; empty if it has none.
+const Json& extension(const Json& parent, const char* name) { return list(list(parent, "extensions"), name); }
 
 template <size_t N>
 std::array<double, N> numbers(const Json& parent, const char* key, const std::array<double, N>& otherwise) {
@@ -53,7 +57,8 @@ class GltfReader {
       : reader_(path, outside),
         gltf_(read_gltf(path, outside)),
         last_key_(pose_gltf(gltf_, at, reader_.warner())),
-        materials_(gltf_materials(gltf_, reader_.warner())) {}
+        materials_(gltf_materials(gltf_, reader_.warner())),
+        variant_(variant_named(at.variant)) {}
 
   LoadedModel read() try {
     warn_of_gltf_features(gltf_, reader_.warner());
@@ -68,7 +73,8 @@ class GltfReader {
     hide_nodes();
     for_each_node(roots(), [&](size_t number) {
       const Json& node = nodes.at(number);
-      if (node.contains("mesh") && !is_hidden_.at(number)) read_mesh(node, places_.at(number));
+      if (node.contains("mesh") && !is_hidden_.at(number))
+        for (const Frame& copy : copies_of(node)) read_mesh(node, compose(places_.at(number), copy));
     });
     LoadedModel model = reader_.finish(std::move(materials_), last_key_.has_value());
     model.last_key = last_key_;
@@ -89,6 +95,57 @@ class GltfReader {
       const auto children = gltf_counts(gltf_, list(list(gltf_.document, "nodes").at(number), "children"));
       open.insert(open.end(), children.rbegin(), children.rend());
     }
+  }
+
+  // Number of a variant of the materials; none for "".
+  std::optional<size_t> variant_named(const std::string& name) const try {
+    if (name.empty()) return std::nullopt;
+    std::vector<std::string> names;
+    for (const Json& variant : list(extension(gltf_.document, "KHR_materials_variants"), "variants"))
+      names.push_back(variant.value("name", ""));
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) fail("{}: {}", gltf_.path, unknown_name_message("variant", name, names));
+    return size_t(found - names.begin());
+  } catch (const Json::exception& e) {
+    fail("{}: expected a glTF model, but its variants are damaged ({}); export it again", gltf_.path, reason(e));
+  }
+
+  // The material of a primitive, in the variant that is read.
+  size_t material_of(const Json& primitive) const {
+    const size_t none = materials_.size() - 1;
+    if (variant_)
+      for (const Json& mapping : list(extension(primitive, "KHR_materials_variants"), "mappings"))
+        for (const size_t number : gltf_counts(gltf_, list(mapping, "variants")))
+          if (number == *variant_) return std::min(gltf_count(gltf_, mapping.at("material")), none);
+    return std::min(gltf_count(gltf_, primitive, "material", none), none);
+  }
+
+  // Where the copies of a node's mesh are, relative to the node: one of itself, or those of EXT_mesh_gpu_instancing.
+  std::vector<Frame> copies_of(const Json& node) const {
+    const Json& extensions = list(node, "extensions");
+    if (!extensions.contains("EXT_mesh_gpu_instancing")) return {Frame{}};
+    const Json& attributes = extensions.at("EXT_mesh_gpu_instancing").at("attributes");
+    const auto read = [&](const char* key, size_t components) {
+      return attributes.contains(key) ? gltf_numbers(gltf_, gltf_count(gltf_, attributes.at(key)), components)
+                                      : std::vector<double>();
+    };
+    const std::vector<double> moves = read("TRANSLATION", 3), turns = read("ROTATION", 4), sizes = read("SCALE", 3);
+    const size_t count = std::max({moves.size() / 3, turns.size() / 4, sizes.size() / 3});
+    for (const auto& [values, components] : {std::pair{&moves, 3}, {&turns, 4}, {&sizes, 3}})
+      require(values->empty() || values->size() == count * size_t(components),
+              "{}: expected {} places, turns and sizes of instances, got {}; export it again", reader_.path(), count,
+              values->size() / size_t(components));
+    std::vector<Frame> copies(count);
+    for (size_t i = 0; i < count; ++i) {
+      if (!turns.empty()) copies[i] = rotation_by({turns[4 * i], turns[4 * i + 1], turns[4 * i + 2], turns[4 * i + 3]});
+      if (!sizes.empty()) {
+        copies[i].x = copies[i].x * sizes[3 * i];
+        copies[i].y = copies[i].y * sizes[3 * i + 1];
+        copies[i].z = copies[i].z * sizes[3 * i + 2];
+      }
+      if (!moves.empty()) copies[i].origin = {moves[3 * i], moves[3 * i + 1], moves[3 * i + 2]};
+    }
+    return copies;
   }
 
   // Finds the nodes that KHR_node_visibility hides, with all below them.
@@ -201,8 +258,7 @@ class GltfReader {
     if (mode < triangle_list || mode > triangle_fan) return reader_.leave_out(corners);
     Mesh mesh;
     mesh.name = name;
-    const size_t material =
-        std::min(gltf_count(gltf_, primitive, "material", materials_.size() - 1), materials_.size() - 1);
+    const size_t material = material_of(primitive);
     mesh.material = int(material);
     mesh.positions = vectors(attributes, "POSITION", count);
     std::vector<uint32_t> indices;
@@ -290,8 +346,9 @@ class GltfReader {
   GltfFile gltf_;
   std::optional<double> last_key_;  // of the animation; its constructor poses the model
   std::vector<FileMaterial> materials_;
-  std::vector<Frame> places_;    // of the nodes
-  std::vector<bool> is_hidden_;  // nodes
+  std::optional<size_t> variant_;  // of the materials
+  std::vector<Frame> places_;      // of the nodes
+  std::vector<bool> is_hidden_;    // nodes
 };
 
 }  // namespace

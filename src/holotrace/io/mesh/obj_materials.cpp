@@ -9,6 +9,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"
+#include "holotrace/base/units.h"
 #include "holotrace/io/files/text.h"
 
 namespace holotrace {
@@ -37,6 +38,8 @@ struct Entry {
   bool has_opacity = false;  // by "d", which counts more than "Tr": some programs write the latter the wrong way round
   int illumination = 1;
   std::optional<double> roughness, metallic;
+  Vec3 filter{1, 1, 1};                                                          // Tf: colour of what is transmitted
+  double sheen = 0, coat = 0, coat_roughness = 0, anisotropy = 0, rotation = 0;  // rotation: of a turn
   Map diffuse_map, emission_map, normal_map, roughness_map, metallic_map, opacity_map, transparency_map;
 };
 
@@ -60,13 +63,8 @@ constexpr std::array not_shown{
     NotShown{"refl", "has a reflection map (refl); it is ignored; the scene's own surroundings are reflected"},
     NotShown{"map_refl", "has a reflection map (refl); it is ignored; the scene's own surroundings are reflected"}};
 
-// The same of numbers, unless they are 0.
-constexpr std::array not_shown_above_zero{NotShown{"ps", "has sheen (Ps); it is ignored"},
-                                          NotShown{"pc", "has a clear coat (Pc); it is ignored"},
-                                          NotShown{"aniso", "has an anisotropic highlight (aniso); it is shown round"}};
-
 // Keys that path tracing has no use for: ambient light, and how other programs render.
-constexpr std::array unneeded{"ka", "map_ka", "tf", "sharpness", "map_aat", "pcr", "anisor"};
+constexpr std::array unneeded{"ka", "map_ka", "sharpness", "map_aat"};
 
 // Reads the lines of an MTL file.
 class Entries {
@@ -145,12 +143,21 @@ class Entries {
       entry.roughness = number(line);
     } else if (key == "pm") {
       entry.metallic = number(line);
+    } else if (key == "tf") {
+      entry.filter = colour(line);
+    } else if (key == "ps") {
+      entry.sheen = number(line);
+    } else if (key == "pc") {
+      entry.coat = number(line);
+    } else if (key == "pcr") {
+      entry.coat_roughness = number(line);
+    } else if (key == "aniso") {
+      entry.anisotropy = number(line);
+    } else if (key == "anisor") {
+      entry.rotation = number(line);
     } else if (const auto missed = std::find_if(not_shown.begin(), not_shown.end(), is_key);
                missed != not_shown.end()) {
       warn(entry, missed->key, missed->sentence);
-    } else if (const auto some = std::find_if(not_shown_above_zero.begin(), not_shown_above_zero.end(), is_key);
-               some != not_shown_above_zero.end()) {
-      if (number(line) != 0) warn(entry, some->key, some->sentence);
     } else if (std::find(unneeded.begin(), unneeded.end(), key) == unneeded.end()) {
       reader_.warn("unknown key of materials", fmt::format("{}:{}: the unknown key \"{}\" is ignored", path_, line_,
                                                            printable(std::string_view(key).substr(0, 40))));
@@ -308,8 +315,31 @@ FileMaterial material_of(const Entry& entry, ModelReader& reader) {
   const int illumination = entry.illumination;
   const bool is_glass = illumination == 4 || illumination == 6 || illumination == 7 || illumination == 9;
   const bool has_roughness = entry.roughness || roughness.image, has_metallic = entry.metallic || metallic.image;
-  if (is_glass && entry.opacity < 1 && entry.index > 1) {
+  // Programs write a white or black filter for opaque materials, too.
+  const bool is_filter = !(clip(entry.filter) == Vec3{1, 1, 1}) && !is_black(entry.filter);
+  const bool is_solid = is_glass && (entry.opacity < 1 || is_filter) && entry.index > 1;
+  const bool is_layered = entry.sheen > 0 || entry.coat > 0 || entry.anisotropy > 0;
+  if (is_solid && !is_filter && !is_layered && entry.roughness.value_or(0) == 0) {
     material.surface = DielectricMaterial{constant_index(entry.index)};
+  } else if (is_solid || is_layered) {
+    PrincipledMaterial layers;
+    layers.base_color = {is_solid ? is_filter ? clip(entry.filter) : Vec3{1, 1, 1} : base,
+                         {is_solid ? nullptr : base_texture}};
+    layers.transmission = {is_solid ? 1.0 : 0.0};
+    if (entry.index > 1) layers.index = constant_index(entry.index);
+    const auto of_map = [&](const std::optional<double>& value, const ChannelOf& map) -> TexturedNumber {
+      return {factor(value, map.image),
+              {map.image ? std::make_shared<const Image>(channel_of(*map.image, map.channel)) : nullptr}};
+    };
+    layers.metalness = of_map(entry.metallic, metallic);
+    layers.roughness =
+        of_map(has_roughness || is_solid ? entry.roughness : roughness_of_exponent(entry.exponent), roughness);
+    layers.sheen_color.value = base * clip(entry.sheen);  // Ps has no colour
+    layers.clearcoat = {clip(entry.coat)};
+    layers.clearcoat_roughness = {clip(entry.coat_roughness)};
+    layers.anisotropy = {clip(entry.anisotropy)};
+    layers.anisotropy_rotation = 2 * pi * entry.rotation;
+    material.surface = std::move(layers);
   } else if (has_roughness || has_metallic || (illumination >= 2 && !is_black(entry.specular))) {
     material.surface = MetallicRoughnessMaterial{
         base, base_texture, factor(entry.metallic, metallic.image),
@@ -318,7 +348,7 @@ FileMaterial material_of(const Entry& entry, ModelReader& reader) {
   } else {
     material.surface = DiffuseMaterial{base, base_texture};
   }
-  if (!std::holds_alternative<DielectricMaterial>(material.surface)) {
+  if (!is_solid) {
     const bool is_transparency = entry.opacity_map.file.empty();
     const Map& map = is_transparency ? entry.transparency_map : entry.opacity_map;
     material.opacity_texture =

@@ -313,6 +313,8 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   job.render.has_background = false;  // it lights the model, which stands before black
   job.slm = slm;
   job.scene.meshes = std::move(model.meshes);
+  const double enlarged = std::cbrt(std::abs(determinant(placing)));
+  for (Material& material : job.scene.materials) scale_absorption(enlarged, material);
   job.warnings = std::move(model.warnings);
   choose_wavelengths(job);
   const size_t own = job.scene.meshes.size() - (has_floor ? 1 : 0);
@@ -324,6 +326,7 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   if (time != 0 && model.last_key) {
     LoadedModel posed = load_meshes(path, outside, {time});
     move(placing, posed.meshes);
+    for (Material& material : posed.materials) scale_absorption(enlarged, material);
     for (std::string& warning : posed.warnings)
       if (std::find(job.warnings.begin(), job.warnings.end(), warning) == job.warnings.end())
         job.warnings.push_back(std::move(warning));

@@ -232,6 +232,58 @@ MetallicRoughnessMaterial read_metallic_roughness(TomlTable& table) {
   return surface;
 }
 
+// A texture of one channel: the red one of a colour picture.
+PlacedTexture read_number_texture(TomlTable& table, const char* key) {
+  if (!table.has(key)) return {};
+  Image image = channel_of(read_image(table, key, ImageContent::data), 0);
+  const auto dark = std::find_if(image.values.begin(), image.values.end(), [](float value) { return value < 0; });
+  require(dark == image.values.end(), "{}expected a texture of values of 0 or more for \"{}\", got {}",
+          table.where(key), key, dark == image.values.end() ? 0 : *dark);
+  return {std::make_shared<Image>(std::move(image))};
+}
+
+// A number from 0 to 1 at `key`, and the texture at "key_texture" that multiplies it.
+void read_textured(TomlTable& table, const std::string& key, TexturedNumber& into) {
+  into.texture = read_number_texture(table, (key + "_texture").c_str());
+  if (into.texture.image) into.value = 1;  // the texture alone, unless the file has a number
+  table.number(key.c_str(), into.value, range::fraction);
+}
+
+void read_textured(TomlTable& table, const std::string& key, TexturedColour& into, double most = 1) {
+  into.texture.image = read_texture(table, (key + "_texture").c_str());
+  if (into.texture.image) into.value = {1, 1, 1};
+  table.colour(key.c_str(), into.value, most);
+}
+
+PrincipledMaterial read_principled(TomlTable& table) {
+  PrincipledMaterial surface;
+  read_textured(table, "base_color", surface.base_color);
+  read_textured(table, "metalness", surface.metalness);
+  read_textured(table, "roughness", surface.roughness);
+  read_index_or_name(table, "glass", surface.index, glass_index, read_glass_index);
+  read_textured(table, "specular", surface.specular);
+  read_textured(table, "specular_color", surface.specular_color, std::numeric_limits<double>::infinity());
+  read_textured(table, "anisotropy", surface.anisotropy);
+  table.angle("anisotropy_rotation", surface.anisotropy_rotation, range::any);
+  read_textured(table, "transmission", surface.transmission);
+  table.flag("thin", surface.is_thin);
+  table.colour("attenuation_color", surface.attenuation_color, 1);
+  table.length("attenuation_distance", surface.attenuation_distance, range::positive);
+  read_textured(table, "diffuse_transmission", surface.diffuse_transmission);
+  read_textured(table, "diffuse_transmission_color", surface.diffuse_transmission_color);
+  read_textured(table, "clearcoat", surface.clearcoat);
+  read_textured(table, "clearcoat_roughness", surface.clearcoat_roughness);
+  table.number("clearcoat_index", surface.clearcoat_index, range::at_least(1));
+  read_textured(table, "sheen_color", surface.sheen_color);
+  read_textured(table, "sheen_roughness", surface.sheen_roughness);
+  read_textured(table, "iridescence", surface.iridescence);
+  table.number("iridescence_index", surface.iridescence_index, range::at_least(1));
+  table.length("iridescence_thickness", surface.film_thickness, range::not_negative);
+  table.length("iridescence_least_thickness", surface.least_thickness, range::not_negative);
+  surface.thickness_texture = read_number_texture(table, "iridescence_thickness_texture");
+  return surface;
+}
+
 }  // namespace
 
 Material read_material(TomlTable table) {
@@ -246,10 +298,12 @@ Material read_material(TomlTable table) {
     material.surface = read_dielectric(table);
   else if (type == "metallic-roughness")
     material.surface = read_metallic_roughness(table);
+  else if (type == "principled")
+    material.surface = read_principled(table);
   else
-    throw Error(
-        table.where("type") +
-        unknown_name_message("material type", type, {"diffuse", "conductor", "dielectric", "metallic-roughness"}));
+    throw Error(table.where("type") +
+                unknown_name_message("material type", type,
+                                     {"diffuse", "conductor", "dielectric", "metallic-roughness", "principled"}));
   material.emission_texture = read_texture(table, "emission_texture");
   if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file has an emission
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());

@@ -66,8 +66,10 @@ Frame fitting(const Bounds& bounds, double size, const std::string& where) {
 bool has_texture(const Material& material) {
   const auto* diffuse = std::get_if<DiffuseMaterial>(&material.surface);
   const auto* metallic = std::get_if<MetallicRoughnessMaterial>(&material.surface);
+  const auto* principled = std::get_if<PrincipledMaterial>(&material.surface);
   return material.emission_texture || material.normal_map || material.opacity_texture ||
-         (diffuse && diffuse->texture) || (metallic && (metallic->base_texture || metallic->metallic_texture));
+         (diffuse && diffuse->texture) || (metallic && (metallic->base_texture || metallic->metallic_texture)) ||
+         (principled && holotrace::has_texture(*principled));
 }
 
 }  // namespace
@@ -172,6 +174,7 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
     return bounds_of(local.meshes, local.points);
   };
   const Frame size = fit > 0 ? fitting(fitted(), fit, object.where("fit")) : scaling(scale);
+  scale_absorption_of_models(size.x.x, local);
   check_growth(object, local, positions.size());
   Geometry placed{{}, {}, local.is_animated};
   for (Vec3 place : positions) {
@@ -183,6 +186,21 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
     placed.points.insert(placed.points.end(), copy.points.begin(), copy.points.end());
   }
   return placed;
+}
+
+void SceneObjects::scale_absorption_of_models(double factor, Geometry& geometry) {
+  if (factor == 1) return;
+  for (Mesh& mesh : geometry.meshes) {
+    if (!materials_of_models_.contains(mesh.material)) continue;
+    const auto [scaled, is_new] = scaled_.emplace(std::pair(mesh.material, factor), int(job_.scene.materials.size()));
+    if (is_new) {
+      Material copy = job_.scene.materials[size_t(mesh.material)];
+      scale_absorption(factor, copy);
+      job_.scene.materials.push_back(std::move(copy));
+      materials_of_models_.insert(scaled->second);
+    }
+    mesh.material = scaled->second;
+  }
 }
 
 // A few lines can place a mesh, or a shape of shapes, any number of times.
@@ -241,12 +259,13 @@ PoseTime SceneObjects::pose_of(TomlTable& object) {
   object.text("animation", at.animation);
   object.instant("animation_time", at.seconds, range::any);
   object.flag("animation_repeats", at.repeats);
+  object.text("variant", at.variant);
   return at;
 }
 
 SceneObjects::Model& SceneObjects::load_model(TomlTable& object, const PoseTime& at) {
   const std::string file = read_file_name(object, "file");
-  const std::tuple key(file, at.seconds, at.animation, at.repeats);
+  const std::tuple key(file, at.seconds, at.animation, at.repeats, at.variant);
   if (!models_.contains(key)) {
     object.locate("file", [&] { models_[key].loaded = load_meshes(file, outside_, at); });
     for (const std::string& warning : models_[key].loaded.warnings)
@@ -268,6 +287,8 @@ SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
     model.first_material = int(job_.scene.materials.size());
     const auto& materials = model.loaded.materials;
     job_.scene.materials.insert(job_.scene.materials.end(), materials.begin(), materials.end());
+    for (size_t i = 0; i < materials.size(); ++i)
+      if (has_absorption(materials[i])) materials_of_models_.insert(model.first_material + int(i));
   }
   Geometry geometry{model.loaded.meshes, {}, is_animated};
   for (Mesh& mesh : geometry.meshes) {

@@ -44,6 +44,8 @@ class SceneObjects {
   };
 
   Geometry read_object(TomlTable& object);
+  /// Gives the scaled parts of models that absorb light materials of their own.
+  void scale_absorption_of_models(double factor, Geometry& geometry);
   void check_growth(TomlTable& object, const Geometry& geometry, size_t copies);
   Geometry read_type(TomlTable& object, const std::string& type);
   Geometry read_shape(TomlTable& object);
@@ -61,7 +63,10 @@ class SceneObjects {
   std::set<std::string> open_shapes_;  // shapes being read, to refuse a shape that contains itself
   size_t objects_ = 0;                 // objects read, parts of shapes each time anew
   std::set<std::string> used_shapes_;
-  std::map<std::tuple<std::string, double, std::string, bool>, Model> models_;  // by file and pose
+  // By file, pose and variant.
+  std::map<std::tuple<std::string, double, std::string, bool, std::string>, Model> models_;
+  std::set<int> materials_of_models_;             // those that absorb light
+  std::map<std::pair<int, double>, int> scaled_;  // the same of models that are scaled, by material and factor
   int default_material_ = -1;
 };
 

@@ -46,7 +46,10 @@ FilmCounts count_film_times(const std::vector<double>& times, const std::functio
   require(!times.empty(), "expected one time of a film or more, got none");
   FilmCounts counts{.times = double(times.size()), .afresh = 1};
   const size_t pairs = times.size() - 1, compared = std::min(pairs, most_pairs);
-  if (from_last) check_from_last(job_at(times.front()));
+  if (from_last) {
+    const Job first = job_at(times.front());
+    check_time_of_film(first, first, from_last);
+  }
   std::optional<TimeCause> before;
   size_t last = 0;
   for (size_t k = 0; k < compared; ++k) {

@@ -86,8 +86,8 @@ struct Accelerator::Implementation {
     const Mesh* mesh;
     int material, light;  // indices into Scene::materials and Scene::lights, or -1
     bool is_smooth;       // vertices have normals of their own
-    bool is_textured;     // the material has a texture
-    bool needs_tangents;  // the material has a normal map
+    bool is_textured;     // texture coordinates are needed
+    bool needs_tangents;  // the material has a normal map, or is brushed
     bool is_even;         // nothing differs from place to place on a triangle
     bool has_openings;    // rays may go through it
     std::vector<TrianglePlane> planes;
@@ -109,9 +109,11 @@ struct Accelerator::Implementation {
     for (const Mesh& mesh : scene.meshes) {
       const Material& material = scene.materials[size_t(mesh.material)];
       std::vector<TrianglePlane> planes = planes_of(mesh, precision);
-      const bool is_smooth = has_own_normals(mesh, planes), is_textured = has_texture(material);
+      const bool needs_tangents = material.normal_map || is_brushed(material);
+      const bool is_smooth = has_own_normals(mesh, planes);
+      const bool is_textured = has_texture(material) || (needs_tangents && !mesh.texture_coordinates.empty());
       const bool is_even = !is_smooth && !is_textured && mesh.colours.empty();
-      surfaces.push_back({&mesh, mesh.material, -1, is_smooth, is_textured, material.normal_map != nullptr, is_even,
+      surfaces.push_back({&mesh, mesh.material, -1, is_smooth, is_textured, needs_tangents, is_even,
                           !is_opaque(material), std::move(planes)});
       has_openings = has_openings || surfaces.back().has_openings;
     }

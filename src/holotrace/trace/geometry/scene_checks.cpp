@@ -98,11 +98,15 @@ void check_surface(const ConductorMaterial& material, size_t index) {
   require_share(material.roughness, "roughness", index);
 }
 
-void check_surface(const DielectricMaterial& material, size_t index) {
-  check_index(material.index, index);
-  for (const auto& [wavelength, n, k] : material.index.samples)
+void check_glass_index(const RefractiveIndex& glass, size_t index) {
+  check_index(glass, index);
+  for (const auto& [wavelength, n, k] : glass.samples)
     require(k == 0, "expected glass that does not absorb (k = 0) in material {}, got {} + {}i at {} m", index, n, k,
             wavelength);
+}
+
+void check_surface(const DielectricMaterial& material, size_t index) {
+  check_glass_index(material.index, index);
   require_share(material.roughness, "roughness", index);
 }
 
@@ -112,6 +116,44 @@ void check_surface(const MetallicRoughnessMaterial& material, size_t index) {
   require_share(material.roughness, "roughness", index);
   check_texture(material.base_texture.get(), "a base texture", index);
   check_texture(material.metallic_texture.get(), "a metallic-roughness texture", index);
+}
+
+void check_surface(const PrincipledMaterial& material, size_t index) {
+  const std::pair<const TexturedNumber&, const char*> numbers[] = {
+      {material.metalness, "metalness"},
+      {material.roughness, "roughness"},
+      {material.specular, "specular weight"},
+      {material.anisotropy, "anisotropy"},
+      {material.transmission, "transmission"},
+      {material.diffuse_transmission, "diffuse transmission"},
+      {material.clearcoat, "clear coat"},
+      {material.clearcoat_roughness, "roughness of the clear coat"},
+      {material.sheen_roughness, "roughness of the sheen"},
+      {material.iridescence, "iridescence"}};
+  for (const auto& [number, name] : numbers) require_share(number.value, name, index);
+  const std::pair<const TexturedColour&, const char*> colours[] = {
+      {material.base_color, "base colour"},
+      {material.diffuse_transmission_color, "colour of the diffuse transmission"},
+      {material.sheen_color, "colour of the sheen"}};
+  for (const auto& [colour, name] : colours) require_colour(colour.value, name, index);
+  require_colour(material.attenuation_color, "attenuation colour", index);
+  require(is_light_value(material.specular_color.value),
+          "expected a specular colour of 0 or more in material {}, got ({}, {}, {})", index,
+          material.specular_color.value.x, material.specular_color.value.y, material.specular_color.value.z);
+  for_each_texture(material,
+                   [&](const PlacedTexture& texture) { check_texture(texture.image.get(), "a texture", index); });
+  check_glass_index(material.index, index);
+  require(std::isfinite(material.clearcoat_index) && material.clearcoat_index >= 1,
+          "expected an index of 1 or more of the clear coat in material {}, got {}", index, material.clearcoat_index);
+  require(std::isfinite(material.iridescence_index) && material.iridescence_index >= 1,
+          "expected an index of 1 or more of the thin film in material {}, got {}", index, material.iridescence_index);
+  for (const double thickness : {material.film_thickness, material.least_thickness})
+    require(std::isfinite(thickness) && thickness >= 0,
+            "expected a thickness of 0 m or more of the thin film in material {}, got {}", index, thickness);
+  require(material.attenuation_distance > 0, "expected an attenuation distance above 0 m in material {}, got {}", index,
+          material.attenuation_distance);
+  require(std::isfinite(material.anisotropy_rotation), "expected a finite rotation in material {}, got {} rad", index,
+          material.anisotropy_rotation);
 }
 
 void check_material(const Material& material, size_t index) {
@@ -130,6 +172,7 @@ void check_material(const Material& material, size_t index) {
           material.normal_scale);
 }
 
+using holotrace::has_texture;
 bool has_texture(const DiffuseMaterial& material) { return material.texture != nullptr; }
 bool has_texture(const MetallicRoughnessMaterial& material) {
   return material.base_texture || material.metallic_texture;

@@ -62,14 +62,13 @@ Bsdf make(const MetallicRoughnessMaterial& material, const SurfacePoint& point, 
                                       roughness * roughness);
 }
 
-const DielectricMaterial* solid_dielectric(const Material& material) {
-  const auto* dielectric = std::get_if<DielectricMaterial>(&material.surface);
-  return dielectric && !dielectric->is_thin ? dielectric : nullptr;
+Bsdf make(const PrincipledMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  return make_principled_bsdf(material, point, lines);
 }
 
 /// Whether a one-sided surface is seen from behind.
 bool is_black_back(const Material& material, const SurfacePoint& point) {
-  return !material.two_sided && !point.is_front && !solid_dielectric(material);
+  return !material.two_sided && !point.is_front && !solid_index(material);
 }
 
 }  // namespace
@@ -105,8 +104,33 @@ SurfacePoint shading_point(const Material& material, const SurfacePoint& point) 
 }
 
 bool is_pane(const Material& material) {
+  if (const auto* layers = std::get_if<PrincipledMaterial>(&material.surface)) {
+    const double roughness = layers->roughness.value;
+    return layers->is_thin && layers->transmission.value > 0 && roughness * roughness < smooth_alpha;
+  }
   const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
   return glass && glass->is_thin;
+}
+
+const RefractiveIndex* solid_index(const Material& material) {
+  if (const auto* glass = std::get_if<DielectricMaterial>(&material.surface))
+    return glass->is_thin ? nullptr : &glass->index;
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  return layers && layers->transmission.value > 0 && !layers->is_thin ? &layers->index : nullptr;
+}
+
+bool absorbs_inside(const Material& material) {
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  return layers && solid_index(material) && std::isfinite(layers->attenuation_distance) &&
+         !(layers->attenuation_color == Vec3{1, 1, 1});
+}
+
+Vec3 transmitted_inside(const Material& material, const SurfacePoint& point, double distance, const Lines& lines) {
+  if (point.is_front || !absorbs_inside(material)) return {1, 1, 1};
+  const auto& layers = std::get<PrincipledMaterial>(material.surface);
+  const Vec3 colour = lines.from_rgb(layers.attenuation_color);
+  const double exponent = distance / layers.attenuation_distance;
+  return {std::pow(colour.x, exponent), std::pow(colour.y, exponent), std::pow(colour.z, exponent)};
 }
 
 const Material& material_at(const Scene& scene, const SurfacePoint& point) {
@@ -121,9 +145,9 @@ Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const
 }
 
 MediumIndices media_at(const Material& material, const SurfacePoint& point, double wavelength) {
-  const DielectricMaterial* dielectric = solid_dielectric(material);
-  if (!dielectric) return {};
-  const double n = index_at(dielectric->index, wavelength).real();
+  const RefractiveIndex* index = solid_index(material);
+  if (!index) return {};
+  const double n = index_at(*index, wavelength).real();
   return point.is_front ? MediumIndices{1, n} : MediumIndices{n, 1};
 }
 

@@ -13,6 +13,7 @@
 #include "holotrace/trace/materials/diffuse_bsdf.h"
 #include "holotrace/trace/materials/lobe.h"
 #include "holotrace/trace/materials/metallic_roughness_bsdf.h"
+#include "holotrace/trace/materials/principled_bsdf.h"
 #include "holotrace/trace/shared/ray.h"
 #include "holotrace/trace/shared/texture.h"
 
@@ -23,7 +24,7 @@
 
 namespace holotrace {
 
-using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf>;
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf>;
 
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
 ///
@@ -77,8 +78,18 @@ SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 /// DiffuseBsdf of it.
 std::optional<Vec3> diffuse_reflectance(const Material& material, const SurfacePoint& point, const Lines& lines);
 
-/// Whether a surface is thin glass, which only transmits light straight on and reflects it.
+/// Whether a surface is thin glass, which transmits light straight on.
 bool is_pane(const Material& material);
+
+/// The refractive index of a solid that light enters by this surface; nullptr for any other surface.
+const RefractiveIndex* solid_index(const Material& material);
+
+/// Whether a surface encloses a solid that absorbs light on its way.
+bool absorbs_inside(const Material& material);
+
+/// The share of light left on the way through the solid to this point, exp(−σ·distance) at the lines; 1 outside. With the
+/// colour c after the distance d, σ = −ln(c)/d (KHR_materials_volume).
+Vec3 transmitted_inside(const Material& material, const SurfacePoint& point, double distance, const Lines& lines);
 
 /// The material of a surface; black for the surface of a light, whose emission belongs to the light itself.
 const Material& material_at(const Scene& scene, const SurfacePoint& point);
@@ -87,7 +98,7 @@ const Material& material_at(const Scene& scene, const SurfacePoint& point);
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines);
 
 /// Refractive indices on the side of the surface that the path came from (near) and on the other side (far), at one
-/// wavelength. Both are 1 unless the surface is a solid dielectric. The index of air is 1.
+/// wavelength. Both are 1 unless the surface is that of a solid. The index of air is 1.
 struct MediumIndices {
   double near = 1, far = 1;
 };

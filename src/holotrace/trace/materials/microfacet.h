@@ -28,6 +28,15 @@ inline double ggx_density(Vec3 h, double alpha) {
   return 1 / (pi * t * t);
 }
 
+/// The same for α.x along x and α.y along y (brushed surfaces):
+///
+///     D = 1/(π·αx·αy·(x²/αx² + y²/αy² + z²)²).
+inline double ggx_density(Vec3 h, Vec2 alpha) {
+  if (h.z <= 0) return 0;
+  const double x = h.x / alpha.x, y = h.y / alpha.y, t = x * x + y * y + h.z * h.z;
+  return 1 / (pi * alpha.x * alpha.y * t * t);
+}
+
 /// Smith's Λ of a direction on either side, (−1 + √(1 + α²·tan²θ))/2: ratio of hidden area to visible area.
 inline double smith_lambda(Vec3 w, double alpha) {
   const double cosine_squared = w.z * w.z;
@@ -36,11 +45,19 @@ inline double smith_lambda(Vec3 w, double alpha) {
   return 0.5 * x / (1 + std::sqrt(1 + x));  // avoids the cancellation of −1 + √
 }
 
+inline double smith_lambda(Vec3 w, Vec2 alpha) {
+  return smith_lambda({alpha.x * w.x, alpha.y * w.y, w.z}, 1);  // the surface stretched until it is isotropic
+}
+
 /// Masking G₁ = 1/(1 + Λ): the fraction of the microfacets that is visible from a direction.
-inline double smith_masking(Vec3 w, double alpha) { return 1 / (1 + smith_lambda(w, alpha)); }
+template <class Alpha>
+double smith_masking(Vec3 w, Alpha alpha) {
+  return 1 / (1 + smith_lambda(w, alpha));
+}
 
 /// Masking and shadowing of a reflection with correlated heights, G₂ = 1/(1 + Λ_o + Λ_i) (Heitz 2014, eq. 99).
-inline double smith_masking_shadowing(Vec3 outgoing, Vec3 incoming, double alpha) {
+template <class Alpha>
+double smith_masking_shadowing(Vec3 outgoing, Vec3 incoming, Alpha alpha) {
   return 1 / (1 + smith_lambda(outgoing, alpha) + smith_lambda(incoming, alpha));
 }
 
@@ -52,6 +69,11 @@ inline Vec3 sample_visible_normal(Vec3 outgoing, double alpha, Vec2 u) {
   const double angle = 2 * pi * u.x, z = (1 - u.y) * (1 + o.z) - o.z, sine = std::sqrt(std::fmax(0, 1 - z * z));
   const Vec3 h = Vec3{sine * std::cos(angle), sine * std::sin(angle), z} + o;
   return normalize({alpha * h.x, alpha * h.y, std::fmax(1e-300, h.z)});
+}
+
+inline Vec3 sample_visible_normal(Vec3 outgoing, Vec2 alpha, Vec2 u) {
+  const Vec3 h = sample_visible_normal(normalize({alpha.x * outgoing.x, alpha.y * outgoing.y, outgoing.z}), 1.0, u);
+  return normalize({alpha.x * h.x, alpha.y * h.y, h.z});
 }
 
 /// Density of sample_visible_normal [1/sr].
@@ -194,14 +216,19 @@ inline Vec3 refract(Vec3 outgoing, Vec3 normal, double index) {
 /// based shading at Imageworks, SIGGRAPH 2017 course). E is the albedo of white microfacets, Ē its mean over the
 /// hemisphere, K that of multiple_reflection. Directions are local to the surface, o.z > 0. Functions that need the
 /// reflectance F take it as `reflectance(cosine)`, at the lines.
-struct RoughReflection {
-  double alpha = 1;           ///< α of the GGX distribution, from smooth_alpha to 1
+///
+/// Alpha is double, or Vec2 for α along x and y.
+template <class Alpha>
+struct RoughReflectionOf {
+  Alpha alpha;                ///< α of the GGX distribution, from smooth_alpha to 1
   MicrofacetAlbedo albedo{};  ///< albedos at this α
   Vec3 multiple{};            ///< K at the lines
 
   /// 1 − E: the loss of single scattering.
   double loss(double cosine) const { return albedo.at(cosine).loss; }
 };
+
+using RoughReflection = RoughReflectionOf<double>;
 
 /// K = F̄²·Ē/((1 − Ē)·(1 − F̄·(1 − Ē))) for microfacets with the mean reflectance F̄ = 2∫F·μ dμ. K·(1 − Ē) is the
 /// albedo of multiple scattering, relative to the light that single scattering loses: 1 for F̄ = 1.
@@ -214,8 +241,8 @@ inline double multiple_reflection(double mean_reflectance, double mean_loss) {
 }
 
 /// f·cosθ_i; 0 below the surface.
-template <class Reflectance>
-Vec3 eval_reflection(const RoughReflection& r, Vec3 o, Vec3 i, const Reflectance& reflectance) {
+template <class Alpha, class Reflectance>
+Vec3 eval_reflection(const RoughReflectionOf<Alpha>& r, Vec3 o, Vec3 i, const Reflectance& reflectance) {
   if (i.z <= 0) return {};
   const Vec3 h = normalize(o + i);
   const double single = ggx_density(h, r.alpha) * smith_masking_shadowing(o, i, r.alpha) / (4 * o.z);
@@ -223,7 +250,8 @@ Vec3 eval_reflection(const RoughReflection& r, Vec3 o, Vec3 i, const Reflectance
 }
 
 /// Density of sample_reflection [1/sr].
-inline double pdf_reflection(const RoughReflection& r, Vec3 o, Vec3 i, double diffuse) {
+template <class Alpha>
+double pdf_reflection(const RoughReflectionOf<Alpha>& r, Vec3 o, Vec3 i, double diffuse) {
   if (i.z <= 0) return 0;
   const double single = smith_masking(o, r.alpha) * ggx_density(normalize(o + i), r.alpha) / (4 * o.z);
   return (1 - diffuse) * single + diffuse * i.z / pi;
@@ -231,7 +259,8 @@ inline double pdf_reflection(const RoughReflection& r, Vec3 o, Vec3 i, double di
 
 /// Draws a direction: with the probability `diffuse` by cosθ/π, for multiple scattering; else the mirror image of o
 /// in a visible microfacet. A direction with z ≤ 0 means that the light is lost.
-inline Vec3 sample_reflection(const RoughReflection& r, Vec3 o, double diffuse, double u_choice, Vec2 u) {
+template <class Alpha>
+Vec3 sample_reflection(const RoughReflectionOf<Alpha>& r, Vec3 o, double diffuse, double u_choice, Vec2 u) {
   return u_choice < diffuse ? sample_cosine({0, 0, 1}, u.x, u.y) : reflect(o, sample_visible_normal(o, r.alpha, u));
 }
 

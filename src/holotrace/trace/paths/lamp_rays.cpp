@@ -76,6 +76,9 @@ void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, c
   way.index = way.chain.back().index_after();
   // The weight of a branch is that of radiance; n² of it is not power.
   way.weight *= branch.weight / branch.squared_index_ratio;
+  if (scene.has_absorbers)
+    way.weight *= transmitted_inside(scene.scene.materials[size_t(point.material)], point,
+                                     length(point.position - way.ray.origin), scene.lines);
   way.squared_index /= branch.squared_index_ratio;
   way.phase += branch.phase;
   way.ray = {scene.accelerator.leave(point, branch.direction), branch.direction};

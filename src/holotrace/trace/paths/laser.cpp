@@ -102,10 +102,7 @@ class PhasorSink {
     Vec3 light, path, phase;
   };
 
-  static bool is_solid_glass(const Material& material) {
-    const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
-    return glass && !glass->is_thin;
-  }
+  static bool is_solid_glass(const Material& material) { return solid_index(material) != nullptr; }
 
   Vec3 indices(const Material& material, const SurfacePoint& point, bool is_far) const {
     const auto at = [&](double wavelength) {

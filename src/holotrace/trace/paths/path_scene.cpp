@@ -111,7 +111,10 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       rectangles(scene.lights.size()),
       mirrors(flat_mirrors(scene, emitters.lights(), lines)),
       has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),
-                            [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })) {
+                            [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })),
+      has_absorbers(std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+        return absorbs_inside(scene.materials[size_t(mesh.material)]);
+      })) {
   require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
   require(params.roulette_depth >= 1, "expected a roulette_depth of 1 surface or more, got {}", params.roulette_depth);
   require(std::isfinite(params.clamp) && params.clamp >= 0, "expected a clamp of 0 W/m²/sr or more, got {}",

@@ -317,6 +317,7 @@ class PathWalk {
       return false;
     }
     if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
+    if (scene_.has_absorbers) throughput_ *= transmitted_inside(material(), point_, distance_, scene_.lines);
     if (material().normal_map) point_ = shading_point(material(), point_);
     ++depth_;
     arrive();

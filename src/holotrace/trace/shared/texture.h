@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <variant>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/image.h"
@@ -50,6 +51,12 @@ inline double opacity_at(const Material& material, Vec2 uv) {
 
 /// Whether a material stops all rays.
 inline bool is_opaque(const Material& material) { return !material.opacity_texture && opacity_at(material, {}) >= 1; }
+
+/// Whether a surface reflects differently along its tangents.
+inline bool is_brushed(const Material& material) {
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  return layers && layers->anisotropy.value > 0;
+}
 
 /// Whether a mirror or glass acts everywhere as its mesh has it: without a normal map, and without rays that go through it.
 inline bool acts_as_its_mesh(const Material& material) { return !material.normal_map && is_opaque(material); }

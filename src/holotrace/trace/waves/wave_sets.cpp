@@ -10,6 +10,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/sources.h"
+#include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/waves/source_phase.h"
 
 namespace holotrace {
@@ -17,8 +18,8 @@ namespace holotrace {
 namespace {
 
 bool parts_colours(const Material& material) {
-  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
-  return glass && !glass->is_thin && is_dispersive(glass->index);
+  const RefractiveIndex* index = solid_index(material);
+  return index && is_dispersive(*index);
 }
 
 bool is_laser(const Light& light) {
