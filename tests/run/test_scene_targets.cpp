@@ -579,7 +579,7 @@ TEST(SceneTargets, AreTheMeanOfAnOpenShutter) {
   });
   Job eye = squares_for_an_eye();
   eye.encode.target_distances = {0.02, 0.024};
-  expect_mean(eye, [](const Job& job) { return light_in(trace_targets(job).eyes.at(0).light.views); });
+  expect_mean(eye, [](const Job& job) { return light_in(trace_targets(job).eyes->lights.at(0).lights.at(0).views); });
 }
 
 // What moves is in the range of depths as long as the shutter is open, to its last moment.

@@ -1,5 +1,6 @@
 // Models that are damaged on purpose, and what the readers of models do with rare but valid ones.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,7 +23,7 @@ constexpr const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 TEST(HostileObj, PropertiesBeforeTheFirstMaterialAreNamed) {
   for (const char* line : {"map_Kd x.png", "bump x.png", "norm -bm 1 x.png", "map_d x.png", "Kd 1 1 1"}) {
     make_file("m.mtl", std::string(line) + "\nnewmtl a\nKd 1 1 1\n");
-    const LoadedModel model = load_meshes(make_file("m.obj", std::string("mtllib m.mtl\n") + triangle));
+    const LoadedModel model = load_meshes(make_file("m.obj", fmt::format("mtllib m.mtl\n{}", triangle)));
     ASSERT_EQ(model.warnings.size(), 1u) << line;
     EXPECT_NE(model.warnings[0].find("m.mtl:1: what comes before the first \"newmtl\" is ignored"), std::string::npos);
   }
