@@ -1,7 +1,11 @@
 #include "holotrace/trace/materials/principled_bsdf.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
+#include "holotrace/base/random.h"
 #include "holotrace/trace/shared/texture.h"
 
 namespace holotrace {
@@ -53,23 +57,57 @@ void add_film(const Principled& material, const SurfacePoint& point, const Lines
                       material.iridescence_index * thickness / lines.wavelengths[line]};
 }
 
+/// What the rest of a surface needs to know of a boundary with a film.
+struct FilmSummary {
+  Vec3 least_f0;  ///< BoundaryReflectance::least_f0
+  Vec3 mean;      ///< reflectance, 2∫F·μ dμ
+};
+
+FilmSummary summary_of(const BoundaryReflectance& boundary) {
+  FilmSummary summary{boundary.f0, {}};
+  for (const double cosine : {0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0}) {
+    const Vec3 reflected = boundary.at(cosine);
+    const double grazing = schlick_weight(cosine);
+    summary.least_f0 = for_lines([&](size_t line) {
+      const double f0 = (part(reflected, line) - part(boundary.f90, line) * grazing) / (1 - grazing);
+      return std::clamp(f0, part(summary.least_f0, line), part(boundary.f90, line));
+    });
+  }
+  // Three-point Gauss–Jacobi quadrature.
+  constexpr double nodes[] = {0.2123405382391529, 0.5905331355592653, 0.9114120404872961};
+  constexpr double weights[] = {0.1396539598029080, 0.4584822127191740, 0.4018638274779180};
+  for (int i = 0; i < 3; ++i) summary.mean += boundary.at(nodes[i]) * weights[i];
+  return summary;
+}
+
+/// The same, kept for the last boundaries that a thread has met: without textures a film is the same at every place.
+const FilmSummary& kept_summary(const BoundaryReflectance& b) {
+  std::array<double, 17> key{b.f0.x, b.f0.y, b.f0.z, b.f90.x, b.f90.y, b.f90.z, b.film, b.film_scale};
+  for (size_t line = 0; line < 3; ++line) {
+    key[8 + 3 * line] = b.films[line].film_index;
+    key[9 + 3 * line] = b.films[line].base_index;
+    key[10 + 3 * line] = b.films[line].order;
+  }
+  struct Kept {
+    std::array<double, 17> key{};
+    FilmSummary summary;
+  };
+  thread_local std::array<Kept, 16> kept;
+  uint64_t place = 0;
+  for (const double number : key) place = mix(place + std::bit_cast<uint64_t>(number));
+  Kept& here = kept[place % kept.size()];
+  if (here.key != key) here = {key, summary_of(b)};
+  return here.summary;
+}
+
 /// Sets least_f0 and K.
 void finish(BoundaryReflectance& boundary, double mean_loss) {
   Vec3 mean = boundary.f0 + (boundary.f90 - boundary.f0) / 21;
   boundary.least_f0 = boundary.f0;
   if (boundary.film > 0) {
-    for (const double cosine : {0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0}) {
-      const Vec3 reflected = boundary.at(cosine);
-      const double grazing = schlick_weight(cosine);
-      boundary.least_f0 = for_lines([&](size_t line) {
-        const double f0 = (part(reflected, line) - part(boundary.f90, line) * grazing) / (1 - grazing);
-        return std::clamp(f0, part(boundary.least_f0, line), part(boundary.f90, line));
-      });
-    }
-    mean = {};  // 2∫F·μ dμ by three-point Gauss–Jacobi quadrature
-    constexpr double nodes[] = {0.2123405382391529, 0.5905331355592653, 0.9114120404872961};
-    constexpr double weights[] = {0.1396539598029080, 0.4584822127191740, 0.4018638274779180};
-    for (int i = 0; i < 3; ++i) mean += boundary.at(nodes[i]) * weights[i];
+    const FilmSummary& summary = kept_summary(boundary);
+    boundary.least_f0 = summary.least_f0;
+    mean = summary.mean;
   }
   boundary.multiple = for_lines([&](size_t line) { return multiple_reflection(part(mean, line), mean_loss); });
 }
