@@ -353,7 +353,7 @@ class Materials {
                                "diffuse_transmission"};
     for (const auto& [name, content] : extensions.items())
       if (std::none_of(known.begin(), known.end(),
-                       [&](const char* k) { return name == std::string("KHR_materials_") + k; }))
+                       [&, &name = name](const char* k) { return name == std::string("KHR_materials_") + k; }))
         warn(name, fmt::format("has the extension {}; it is ignored", name));
   }
 
