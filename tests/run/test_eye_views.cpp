@@ -64,19 +64,24 @@ TEST(EyeboxLight, IsWhereALensSendsIt) {
   expect(0, -1.0e-3, 0, 0, 0);
 }
 
-// A hologram that converges to one eye, moved to another one, converges there: it gathers its light in the pupil there as one that was
-// made for it does. Levels are rounded twice, by 1/512 of a cycle each.
-TEST(MovedToEye, ALensToAnEyeBecomesOneToAnother) {
+Job job_for_eye(const Vec3& eye) {
   Job job;
   job.slm = make_panel(256, 192);
   job.wavelengths = {test_wavelength};
   job.encode.method = Encoding::sgd;
   job.encode.target = EncodeTarget::render;
-  const Vec3 from{0.2e-3, 0.1e-3, 0.1}, to{-0.5e-3, 0.4e-3, 0.1};
-  job.encode.eye = {to.x, to.y, to.z};
+  job.encode.eye = {eye.x, eye.y, eye.z};
   job.encode.pupil = 1e-3;
   job.encode.eyebox = {"0.6 mm"};
   job.camera.distances = {0.05};
+  return job;
+}
+
+// A hologram that converges to one eye, moved to another one, converges there: it gathers its light in the pupil there as one that was
+// made for it does. Levels are rounded twice, by 1/512 of a cycle each.
+TEST(MovedToEye, ALensToAnEyeBecomesOneToAnother) {
+  const Vec3 from{0.2e-3, 0.1e-3, 0.1}, to{-0.5e-3, 0.4e-3, 0.1};
+  Job job = job_for_eye(to);
   const std::vector<Hologram> moved = moved_to_eye({lens_to(job.slm, from)}, {from}, job);
   const Hologram wanted = lens_to(job.slm, to);
   int most = 0;  // levels, around the circle
@@ -97,15 +102,8 @@ TEST(MovedToEye, ALensToAnEyeBecomesOneToAnother) {
 // What the eye sees goes with it: of a lens whose phase has a step at x = 0, the step is at Δ = 0.7 mm·50/(50 + 100) = 0.2333 mm to
 // the left, 29 pixels.
 TEST(MovedToEye, WhatIsSeenThroughThePanelMovesWithTheEye) {
-  Job job;
-  job.slm = make_panel(256, 192);
-  job.wavelengths = {test_wavelength};
-  job.encode.method = Encoding::sgd;
-  job.encode.target = EncodeTarget::render;
   const Vec3 from{0.2e-3, 0, 0.1}, to{-0.5e-3, 0, 0.1};
-  job.encode.eye = {to.x, to.y, to.z};
-  job.encode.pupil = 1e-3;
-  job.camera.distances = {0.05};
+  const Job job = job_for_eye(to);
   Hologram stepped = lens_to(job.slm, from);
   for (int j = 0; j < 192; ++j)
     for (int i = 128; i < 256; ++i) stepped.level(j, i) = uint16_t((stepped.level(j, i) + 128) % 256);

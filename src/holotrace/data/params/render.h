@@ -56,7 +56,7 @@ void describe(Visitor&& v, RenderParams& p) {
           "half angle of view over the height; 0 deg: the window of the views"));
   v(angle("azimuth", p.azimuth, range::tilt,
           "direction of the picture's middle, seen from the panel's centre: angle to the right of the panel's axis"));
-  v(angle("elevation", p.elevation, range::tilt, "the same, up"));
+  v(angle("elevation", p.elevation, range::tilt, "direction of the picture's middle: angle above the panel's axis"));
   v(position("eye", p.eye, range::not_negative,
              "position of the lens, on the panel or in front of it (z of 0 m or more)"));
   v(choice("lens", p.lens, {{"pinhole", Lens::pinhole}, {"round", Lens::round}, {"panel", Lens::panel}},

@@ -53,7 +53,7 @@ struct BoundaryReflectance {
 ///   sheen are on its outside. A thin sheet transmits what its boundary does not reflect straight on, spread as a rough
 ///   reflection is.
 ///
-/// It is reciprocal. It never reflects more than it receives; a white one without layers reflects everything, up to the
+/// It is reciprocal. Unless it is brushed, it never reflects more than it receives; a white one without layers reflects everything, up to the
 /// tables' errors. Under a coat or sheen, a rough metal loses up to the difference of the two factors in min().
 ///
 /// As lobes: diffuse and sheen are D, rough coat, base and glass are G, smooth ones S.
