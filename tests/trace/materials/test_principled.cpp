@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <complex>
+#include <thread>
 
 #include "holotrace/base/random.h"
 #include "holotrace/trace/materials/sheen.h"
@@ -39,6 +40,30 @@ PrincipledMaterial white(double roughness) {
 
 void expect_all(Vec3 value, double expected, double tolerance, const std::string& what) {
   for (const double part : {value.x, value.y, value.z}) EXPECT_NEAR(part, expected, tolerance) << what;
+}
+
+// A film's mean is kept from one place to the next: a surface made after others is the one that a new thread makes, which has met none.
+TEST(Principled, AFilmIsTheSameWhateverWasMetBefore) {
+  const auto make = [](double red, double thickness, double index, double weight) {
+    PrincipledMaterial film = white(0.4);
+    film.metalness.value = 0.5;
+    film.base_color.value = {red, 0.6, 0.3};
+    film.iridescence.value = weight;
+    film.iridescence_index = index;
+    film.film_thickness = thickness;
+    return std::get<PrincipledBsdf>(make_bsdf(film, flat_point(), Lines{}));
+  };
+  const double kinds[][3] = {{400e-9, 1.3, 1}, {250e-9, 1.3, 1}, {400e-9, 1.8, 1}, {400e-9, 1.3, 0.5}};
+  // Colours, too, as two films may by chance displace each other.
+  for (const double red : {0.9, 0.8, 0.7, 0.9})
+    for (const auto& [thickness, index, weight] : kinds) {
+      const PrincipledBsdf here = make(red, thickness, index, weight);
+      PrincipledBsdf alone;
+      std::thread([&] { alone = make(red, thickness, index, weight); }).join();
+      EXPECT_EQ(here.metal.least_f0, alone.metal.least_f0) << thickness << " " << index << " " << weight;
+      EXPECT_EQ(here.dielectric.least_f0, alone.dielectric.least_f0);
+      EXPECT_EQ(here.facets.multiple, alone.facets.multiple);
+    }
 }
 
 TEST(Principled, WithoutLayersItIsTheMetallicRoughnessModel) {
