@@ -158,6 +158,13 @@ TEST(Animate, AShutterWithoutMotionChangesNoByte) {
 TEST(Animate, BadShuttersAreRefused) {
   const Workplace work;
   work.write("scene.toml", moving_scene());
+  std::string growing = moving_scene();
+  growing.insert(growing.find("distances ="), "width = { \"0 s\" = \"0.2 mm\", \"200 ms\" = \"0.4 mm\" }\n");
+  work.write("growing.toml", growing);
+  const Outcome film = work.run({"animate", "growing.toml", "-o", "f", "--seconds", "0.4", "--shutter", "500 ms"});
+  EXPECT_EQ(film.exit_code, 1);
+  EXPECT_NE(film.err.find("expected pictures of one size while the shutter is open, got "), std::string::npos)
+      << film.err;
   expect_error(work, {"render", "scene.toml", "-o", "a.exr", "--shutter=-1 ms"},
                {"--shutter: expected a shutter of 0 s or more, got \"-1 ms\""});
   const std::string kinds =
