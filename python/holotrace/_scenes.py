@@ -196,6 +196,8 @@ def load_scene(
     fit: Optional[float] = None,
     floor: Optional[str] = None,
     model_distance: Optional[Length] = None,
+    model_lights: Optional[str] = None,
+    model_camera: Optional[str] = None,
     allow_outside: bool = False,
     time: Optional[Time] = None,
     shutter: Optional[Time] = None,
@@ -205,7 +207,9 @@ def load_scene(
 
     ``slm``: panel in place of that of the file; models are placed to fill its view (None: ``"pluto"``). For models: ``up``, the
     axis that is up in the file; ``rotation``, such as ``"y 30 deg"``; ``fit``, the part of the view that it fills; ``floor``,
-    "round" or "none"; ``model_distance``, from the panel to its middle.
+    "round" or "none"; ``model_distance``, from the panel to its middle; ``model_lights``, "file", "studio" or "auto": the lamps of
+    the file, two of a photographer, or those of the file if it has any; ``model_camera``, the name of a camera of the file whose
+    view is shown in place of up, rotation, fit and floor.
 
     ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
     animations of models are read; None: that of the file, or 0. ``shutter``: as for `Scene`; None: that of the file. ``edits``: values in
@@ -213,7 +217,15 @@ def load_scene(
     """
     if isinstance(model_distance, (int, float)):
         model_distance = f"{_core.length(model_distance, 'model_distance')} m"
-    placed = {"up": up, "rotation": rotation, "fit": fit, "floor": floor, "model_distance": model_distance}
+    placed = {
+        "up": up,
+        "rotation": rotation,
+        "fit": fit,
+        "floor": floor,
+        "model_distance": model_distance,
+        "model_lights": model_lights,
+        "model_camera": model_camera,
+    }
     given = {key: value for key, value in placed.items() if value is not None}
     if given and not _core.is_model(os.fspath(path)):
         raise _core.Error(f"expected {next(iter(given))} with a model, got the scene {path}; place its objects by edits")

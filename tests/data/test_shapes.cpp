@@ -341,5 +341,50 @@ TEST(Shapes, BadShapesAreRefused) {
             "expected an outline that does not cross itself, but its sides 0 and 2 meet");
 }
 
+// A light that is scaled by 2, mirrored in x and moved with the surfaces it lights gives them the same irradiance, I/d². A
+// rectangle emits towards the mirror image of where it did.
+TEST(Shapes, LightsMoveWithWhatTheyLight) {
+  const Frame frame{{-2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {5, 0, 0}};
+  const auto spot =
+      std::get<SpotLight>(transform_light(frame, SpotLight{{1, 2, 3}, {0.6, 0, 0.8}, {1, 2, 3}, 0.1, 0.2}));
+  EXPECT_EQ(spot.position, (Vec3{3, 4, 6}));
+  EXPECT_LT(length(spot.direction - Vec3{-0.6, 0, 0.8}), 1e-15);
+  EXPECT_LT(length(spot.intensity - Vec3{4, 8, 12}), 1e-14);
+  EXPECT_LT(length(std::get<PointLight>(transform_light(frame, PointLight{{}, {1, 2, 3}})).intensity - Vec3{4, 8, 12}),
+            1e-14);
+  const auto beam =
+      std::get<DirectionalLight>(transform_light(frame, DirectionalLight{{1, 0, 0}, {1, 1, 1}, {1, 0, 0}, 0.5}));
+  EXPECT_EQ(beam.direction, (Vec3{-1, 0, 0}));
+  EXPECT_EQ(beam.irradiance, (Vec3{1, 1, 1}));
+  EXPECT_EQ(beam.position, (Vec3{3, 0, 0}));
+  EXPECT_NEAR(beam.radius, 1, 1e-15);
+  const auto lamp =
+      std::get<RectangleLight>(transform_light(frame, RectangleLight{{}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}));
+  EXPECT_EQ(lamp.radiance, (Vec3{1, 1, 1}));
+  EXPECT_GT(cross(lamp.edge_u, lamp.edge_v).z, 0);
+}
+
+// A quad of 2 × 4 in x + y ≤ 1, which cuts off the corner beyond (1, 0) to (−1, 2): its legs are 2. Texture coordinates are linear in
+// the place before and after; the normals, which lean by ±0.5 at either side, are unit and lean in proportion.
+TEST(Shapes, CutMeshesKeepWhatTheirVerticesHave) {
+  Mesh quad = make_quad(2, 4);
+  for (size_t i = 0; i < quad.positions.size(); ++i) quad.normals[i] = normalize(Vec3{quad.positions[i].x / 2, 0, 1});
+  const Mesh cut = clip_mesh(quad, {{{-1, -1, 0}, -1}});
+  double area = 0;
+  for (const auto& [a, b, c] : cut.triangles)
+    area += cross(cut.positions[b] - cut.positions[a], cut.positions[c] - cut.positions[a]).z / 2;
+  EXPECT_NEAR(area, 8 - 2, 1e-14);
+  EXPECT_EQ(cut.normals.size(), cut.positions.size());
+  for (size_t i = 0; i < cut.positions.size(); ++i) {
+    const Vec3 p = cut.positions[i];
+    EXPECT_LE(p.x + p.y, 1 + 1e-15);
+    EXPECT_NEAR(cut.texture_coordinates[i].x, (p.x + 1) / 2, 1e-15);
+    EXPECT_NEAR(cut.texture_coordinates[i].y, (p.y + 2) / 4, 1e-15);
+    EXPECT_NEAR(cut.normals[i].x / cut.normals[i].z, p.x / 2, 1e-15);
+    EXPECT_NEAR(length(cut.normals[i]), 1, 1e-15);
+  }
+  EXPECT_TRUE(clip_mesh(quad, {{{1, 0, 0}, 2}}).positions.empty());
+}
+
 }  // namespace
 }  // namespace holotrace

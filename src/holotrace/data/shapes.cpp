@@ -182,11 +182,94 @@ Vec3 transform_normal(const Frame& frame, Vec3 n) {
   return normalize(yz * (sign * n.x) + zx * (sign * n.y) + xy * (sign * n.z));
 }
 
+Light transform_light(const Frame& frame, Light light) {
+  const double size = std::cbrt(std::abs(determinant(frame)));
+  const auto turned = [&](Vec3 direction) { return normalize(transform_vector(frame, direction)); };
+  if (auto* point = std::get_if<PointLight>(&light)) {
+    point->position = transform_point(frame, point->position);
+    point->intensity = point->intensity * (size * size);
+  } else if (auto* spot = std::get_if<SpotLight>(&light)) {
+    spot->position = transform_point(frame, spot->position);
+    spot->direction = turned(spot->direction);
+    spot->intensity = spot->intensity * (size * size);
+  } else if (auto* parallel = std::get_if<DirectionalLight>(&light)) {
+    parallel->position = transform_point(frame, parallel->position);
+    parallel->direction = turned(parallel->direction);
+    parallel->radius *= size;
+  } else {
+    auto& rectangle = std::get<RectangleLight>(light);
+    rectangle.corner = transform_point(frame, rectangle.corner);
+    rectangle.edge_u = transform_vector(frame, rectangle.edge_u);
+    rectangle.edge_v = transform_vector(frame, rectangle.edge_v);
+    if (determinant(frame) < 0) std::swap(rectangle.edge_u, rectangle.edge_v);  // it emits on the same side
+  }
+  return light;
+}
+
 void transform_mesh(const Frame& frame, Mesh& mesh) {
   for (Vec3& p : mesh.positions) p = transform_point(frame, p);
   for (Vec3& n : mesh.normals) n = transform_normal(frame, n);
   if (determinant(frame) < 0)
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
+void drop_unused_vertices(Mesh& mesh) {
+  constexpr uint32_t unused = UINT32_MAX;
+  std::vector<uint32_t> places(mesh.positions.size(), unused);
+  for (const auto& t : mesh.triangles)
+    for (const uint32_t v : t) places[v] = 0;
+  uint32_t count = 0;
+  for (uint32_t& place : places)
+    if (place != unused) place = count++;
+  if (count == places.size()) return;
+  const auto keep_used = [&](auto& values) {
+    if (values.empty()) return;
+    for (size_t v = 0; v < places.size(); ++v)
+      if (places[v] != unused) values[places[v]] = values[v];
+    values.resize(count);
+  };
+  keep_used(mesh.positions);
+  keep_used(mesh.normals);
+  keep_used(mesh.texture_coordinates);
+  keep_used(mesh.colours);
+  for (auto& t : mesh.triangles)
+    for (uint32_t& v : t) v = places[v];
+}
+
+Mesh clip_mesh(const Mesh& mesh, const std::vector<HalfSpace>& inside) {
+  Mesh clipped = mesh;
+  clipped.triangles.clear();
+  // A new vertex between two.
+  const auto between = [&](uint32_t a, uint32_t b, double part) {
+    const auto mix = [&](auto& values) {
+      if (!values.empty()) values.push_back(values[a] + (values[b] - values[a]) * part);
+    };
+    mix(clipped.positions);
+    mix(clipped.texture_coordinates);
+    mix(clipped.colours);
+    mix(clipped.normals);
+    if (!clipped.normals.empty() && length(clipped.normals.back()) > 0)
+      clipped.normals.back() = normalize(clipped.normals.back());
+    return uint32_t(clipped.positions.size() - 1);
+  };
+  std::vector<uint32_t> polygon, cut;  // after Sutherland and Hodgman (1974)
+  for (const auto& corners : mesh.triangles) {
+    polygon.assign(corners.begin(), corners.end());
+    for (const HalfSpace& half : inside) {
+      const auto depth = [&](uint32_t i) { return dot(half.normal, clipped.positions[i]) - half.least; };
+      cut.clear();
+      for (size_t i = 0; i < polygon.size(); ++i) {
+        const uint32_t a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+        const double at_a = depth(a), at_b = depth(b);
+        if (at_a >= 0) cut.push_back(a);
+        if ((at_a >= 0) != (at_b >= 0)) cut.push_back(between(a, b, at_a / (at_a - at_b)));
+      }
+      polygon.swap(cut);
+    }
+    for (size_t i = 2; i < polygon.size(); ++i) clipped.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+  }
+  drop_unused_vertices(clipped);
+  return clipped;
 }
 
 void bend_mesh(const std::vector<Frame>& frames, Mesh& mesh) {

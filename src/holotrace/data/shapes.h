@@ -53,6 +53,22 @@ Vec3 transform_normal(const Frame& frame, Vec3 normal);
 /// Moves the mesh by `frame`; its normals are transformed, too.
 void transform_mesh(const Frame& frame, Mesh& mesh);
 
+/// The light moved by a frame. Scaled by s, points and cones have s² of their intensity, so surfaces that are scaled with them
+/// are as bright as before.
+Light transform_light(const Frame& frame, Light light);
+
+/// Removes the vertices of no triangle.
+void drop_unused_vertices(Mesh& mesh);
+
+/// Half of space: the places p with normal·p ≥ least.
+struct HalfSpace {
+  Vec3 normal;
+  double least = 0;
+};
+
+/// The part of a mesh that is in all the half spaces. Triangles at a border are cut; what their vertices have is interpolated.
+Mesh clip_mesh(const Mesh& mesh, const std::vector<HalfSpace>& inside);
+
 /// Moves each vertex by a frame of its own, as joints do. @param frames  one per position
 void bend_mesh(const std::vector<Frame>& frames, Mesh& mesh);
 

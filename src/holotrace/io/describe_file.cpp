@@ -247,10 +247,14 @@ Json describe(const LoadedModel& model) {
     }
   }
   const Vec3 size = high - low;
+  std::vector<std::string> cameras;
+  for (const ModelCamera& camera : model.cameras) cameras.push_back(camera.name);
   return {{"kind", "mesh"},
           {"meshes", model.meshes.size()},
           {"triangles", triangles},
           {"materials", model.materials.size()},
+          {"lights", model.lights.size()},
+          {"cameras", cameras},
           {"size", fmt::format("{:g} x {:g} x {:g} units", size.x, size.y, size.z)},
           {"warnings", model.warnings}};
 }

@@ -388,16 +388,96 @@ TEST(Gltf, InstancesAreCopiesOfTheirNode) {
   EXPECT_NE(error_of([&] { load(triangle); }).find("expected a glTF model, but it is damaged"), std::string::npos);
 }
 
+// A model with a triangle, and the lights and cameras of the text below it: node 1 is at (1, 2, 3), and a quarter turn about y
+// turns its −z to −x.
+GltfTriangle lit_triangle(const std::string& of_node, const std::string& lights, const std::string& cameras = "[]") {
+  GltfTriangle triangle;
+  triangle.nodes = R"([{"mesh": 0, "children": [1]}, {"name": "stand", "translation": [1, 2, 3],
+    "rotation": [0, 0.7071067811865476, 0, 0.7071067811865476], )" +
+                   of_node + "}]";
+  triangle.more = R"("extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": )" +
+                  lights + R"(}}, "cameras": )" + cameras + ", ";
+  return triangle;
+}
+
+constexpr const char* first_light = R"("extensions": {"KHR_lights_punctual": {"light": 0}})";
+
+// Candela and lux are taken as W/sr and W/m², colour times intensity; the defaults are those of the extension: white of 1, a cone
+// that falls from its axis to 45°.
+TEST(Gltf, LightsStandAtTheirNodes) {
+  const LoadedModel point =
+      load(lit_triangle(first_light, R"([{"type": "point", "color": [1, 0.5, 0], "intensity": 40}])"));
+  ASSERT_EQ(point.lights.size(), 1u);
+  EXPECT_EQ(std::get<PointLight>(point.lights[0]).position, (Vec3{1, 2, 3}));
+  EXPECT_EQ(std::get<PointLight>(point.lights[0]).intensity, (Vec3{40, 20, 0}));
+  const auto spot = std::get<SpotLight>(load(lit_triangle(first_light, R"([{"type": "spot"}])")).lights.at(0));
+  EXPECT_LT(length(spot.direction - Vec3{-1, 0, 0}), 1e-15);
+  EXPECT_EQ(spot.intensity, (Vec3{1, 1, 1}));
+  EXPECT_EQ(spot.inner_angle, 0);
+  EXPECT_EQ(spot.outer_angle, pi / 4);
+  const auto narrow = std::get<SpotLight>(
+      load(lit_triangle(first_light, R"([{"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.2}}])"))
+          .lights.at(0));
+  EXPECT_EQ(narrow.inner_angle, 0.1);
+  EXPECT_EQ(narrow.outer_angle, 0.2);
+  const auto sun = std::get<DirectionalLight>(
+      load(lit_triangle(first_light, R"([{"type": "directional", "intensity": 5}])")).lights.at(0));
+  EXPECT_LT(length(sun.direction - Vec3{-1, 0, 0}), 1e-15);
+  EXPECT_EQ(sun.irradiance, (Vec3{5, 5, 5}));
+}
+
+TEST(Gltf, LightsOfHiddenNodesAreOff) {
+  const std::string hidden =
+      R"("extensions": {"KHR_lights_punctual": {"light": 0}, "KHR_node_visibility": {"visible": false}})";
+  EXPECT_TRUE(load(lit_triangle(hidden, R"([{"type": "point"}])")).lights.empty());
+}
+
+TEST(Gltf, DamagedLightsAndCamerasAreRefused) {
+  const auto reason_for = [](const GltfTriangle& model) { return error_of([&] { load(model); }); };
+  for (const char* light :
+       {R"([{"type": "point", "intensity": -1}])", R"([{"type": "point", "color": [-1, 0, 0]}])", R"([{"type": 3}])",
+        "[{}]", "[]", R"([{"type": "spot", "spot": {"innerConeAngle": 0.3, "outerConeAngle": 0.2}}])",
+        R"([{"type": "spot", "spot": {"outerConeAngle": 2}}])", R"([{"type": "point", "intensity": 1e400}])",
+        R"([{"type": "point", "intensity": 1e308, "color": [10, 0, 0]}])"})
+    EXPECT_NE(reason_for(lit_triangle(first_light, light)).find("m.gltf:"), std::string::npos) << light;
+  for (const char* camera : {R"([{"type": "perspective"}])", R"([{"type": "perspective", "perspective": {"yfov": 0}}])",
+                             R"([{"type": "perspective", "perspective": {"yfov": 4}}])",
+                             R"([{"type": "orthographic", "orthographic": {"ymag": -1}}])", "[]", "[{}]"})
+    EXPECT_NE(reason_for(lit_triangle(R"("camera": 0)", "[]", camera)).find("m.gltf: expected "), std::string::npos)
+        << camera;
+  EXPECT_EQ(load(lit_triangle(first_light, R"([{"type": "moon"}])")).warnings,
+            (std::vector<std::string>{test::temporary("m.gltf") + ": a light of the type \"moon\" is ignored"}));
+}
+
+TEST(Gltf, CamerasHaveTheirPlaceAndTheHeightOfTheirPicture) {
+  const std::vector<ModelCamera> perspective =
+      load(lit_triangle(R"("camera": 0)", "[]",
+                        R"([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}])"))
+          .cameras;
+  ASSERT_EQ(perspective.size(), 1u);
+  EXPECT_EQ(perspective[0].name, "stand");  // the camera has no name of its own
+  EXPECT_EQ(perspective[0].place.origin, (Vec3{1, 2, 3}));
+  EXPECT_LT(length(perspective[0].place.z - Vec3{1, 0, 0}), 1e-15);
+  EXPECT_EQ(perspective[0].slope, std::tan(0.5));
+  EXPECT_EQ(perspective[0].offset, 0);
+  const ModelCamera flat =
+      load(lit_triangle(R"("camera": 0)", "[]",
+                        R"([{"name": "plan", "type": "orthographic", "orthographic": {"ymag": 3}}])"))
+          .cameras.at(0);
+  EXPECT_EQ(flat.name, "plan");
+  EXPECT_EQ(flat.slope, 0);
+  EXPECT_EQ(flat.offset, 3);
+}
+
 TEST(Gltf, FeaturesThatAreNotShownAreNamedOnce) {
   GltfTriangle triangle;
   triangle.materials = R"([{"name": "a", "alphaMode": "MASK", "extensions": {"KHR_materials_velvet": {}}},
     {"name": "b", "alphaMode": "MASK", "extensions": {"KHR_materials_velvet": {}}},
     {"name": "c", "alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}}])";
   triangle.more = R"("extensionsUsed": ["KHR_lights_punctual", "KHR_materials_velvet", "EXT_unheard_of"],
-    "animations": [{"channels": [], "samplers": []}], "cameras": [{"type": "perspective"}], "skins": [{"joints": [0]}], )";
+    "animations": [{"channels": [], "samplers": []}], "skins": [{"joints": [0]}], )";
   const LoadedModel model = load(triangle);
   std::vector<std::string> expected{"material \"a\" has the extension KHR_materials_velvet; it is ignored",
-                                    "cameras are ignored", "the model's lights are ignored; place them in the scene",
                                     "the extension EXT_unheard_of is ignored"};
   const std::string path = test::temporary("m.gltf");
   for (std::string& sentence : expected) sentence = path + ": " + sentence;

@@ -165,6 +165,106 @@ TEST(ModelJob, TwoLampsFaceTheModel) {
   EXPECT_FALSE(job.render.has_background);
 }
 
+// A triangle of 1 m in the plane z = 0, a light, and two cameras of 60° that look at it from 2 m: one along −z, one away.
+std::string lit_model(const std::string& light) {
+  test::GltfTriangle model;
+  model.nodes = R"([{"mesh": 0, "children": [1, 2, 3]},
+    {"translation": [0.3, 0.4, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+    {"name": "front", "translation": [0.25, 0.25, 2], "camera": 0},
+    {"name": "away", "translation": [0.25, 0.25, -2], "camera": 0}])";
+  model.more = R"("extensions": {"KHR_lights_punctual": {"lights": [)" + light +
+               R"(]}}, "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0471975511965976}}], )";
+  return test::make_file("lit.gltf", model.text());
+}
+
+double even_light(const Job& job) { return job.scene.background.x; }
+
+// A point light of I lights the right corner of the triangle, (1, 0, 0), with I/d², whatever the size of the model; so does the
+// sun's irradiance. The even light is 1/7 of the light from lamps (0.15 of 1.05), here at the middle of the model's bounds.
+TEST(ModelJob, LightsOfTheFileTakeThePlaceOfLamps) {
+  const ModelParams params = upright_model();
+  const Job job = job_of(lit_model(R"({"type": "point", "intensity": 7})"), params);
+  ASSERT_EQ(job.scene.lights.size(), 1u);
+  const auto light = std::get<PointLight>(job.scene.lights[0]);
+  Vec3 corner = job.scene.meshes[0].positions[0];
+  for (const Vec3 p : job.scene.meshes[0].positions)
+    if (p.x > corner.x) corner = p;
+  const Vec3 way = light.position - corner, before = Vec3{0.3, 0.4, 1} - Vec3{1, 0, 0};
+  EXPECT_NEAR(light.intensity.x / dot(way, way), 7 / dot(before, before), 1e-12);
+  const Vec3 to_middle = Vec3{0.3, 0.4, 1} - Vec3{0.5, 0.5, 0};
+  EXPECT_NEAR(even_light(job), 7 / dot(to_middle, to_middle) / pi / 7, 1e-12);
+
+  const Job sunny = job_of(lit_model(R"({"type": "directional", "intensity": 3})"), params);
+  EXPECT_EQ(std::get<DirectionalLight>(sunny.scene.lights.at(0)).irradiance, (Vec3{3, 3, 3}));
+  EXPECT_NEAR(even_light(sunny), 3 / pi / 7, 1e-12);
+}
+
+TEST(ModelJob, LampsMayBeChosen) {
+  ModelParams params;
+  params.model_lights = ModelLights::studio;
+  const std::string lit = lit_model(R"({"type": "point"})"), unlit = test::make_file("m.obj", letter());
+  EXPECT_EQ(job_of(lit, params).scene.lights.size(), 2u);
+  params.model_lights = ModelLights::file;
+  EXPECT_EQ(job_of(lit, params).scene.lights.size(), 1u);
+  EXPECT_EQ(error_of([&] { job_of(unlit, params); }),
+            unlit + ": expected a model with lights, got one without; leave out --model-lights");
+}
+
+// The camera sees 2·tan 30°·2 m at the triangle, which becomes the height of the panel; the triangle stays as wide as it is high,
+// and what the camera looks at is in the middle.
+TEST(ModelJob, ACameraOfTheFileShowsItsView) {
+  ModelParams params;
+  params.model_camera = "front";
+  const std::string file = lit_model(R"({"type": "point"})");
+  const Job job = job_of(file, params);
+  EXPECT_EQ(floor_of(job), nullptr);
+  const double factor = job.slm.grid.height() / (4 * std::tan(pi / 6));
+  const std::vector<Vec3>& seen = job.scene.meshes.at(0).positions;
+  EXPECT_LT(length(seen[0] - Vec3{-0.25 * factor, -0.25 * factor, -0.3}), 1e-15);
+  EXPECT_LT(length(seen[1] - Vec3{0.75 * factor, -0.25 * factor, -0.3}), 1e-15);
+  EXPECT_LT(length(seen[2] - Vec3{-0.25 * factor, 0.75 * factor, -0.3}), 1e-15);
+  EXPECT_EQ(job.camera.distances, std::vector<double>{0.3});
+
+  params.model_camera = "away";
+  EXPECT_EQ(error_of([&] { job_of(file, params); }),
+            file + ": expected a camera that sees the model, got \"away\", which does not; choose another");
+  params.model_camera = "frnt";
+  EXPECT_NE(error_of([&] { job_of(file, params); }).find("\"front\""), std::string::npos);
+  params.rotation = {"y 10 deg"};
+  EXPECT_EQ(error_of([&] { job_of(file, params); }), "expected either a rotation or a camera of the model, got both");
+}
+
+// A camera of 90° is at (0.25, 0.25, 2). Its picture is filled most by a triangle ten times as large at z = 0, 2 before it: that is
+// the middle, and what is in the picture of it is from the triangle's corner at (0, 0) to 0.25 + 2 in y and 0.25 + 2·16/9 in x.
+// Of the triangle at z = 1.5 its corner above y = 0.25 + 0.5 is cut away; that at z = 3 is behind the camera, and that at
+// z = −2, beside the picture but beyond the middle, stays whole.
+TEST(ModelJob, WhatACameraDoesNotSeeIsCutAway) {
+  test::GltfTriangle model;
+  model.nodes =
+      R"([{"children": [1, 2, 3, 4, 5]}, {"translation": [0.25, 0.25, 2], "camera": 0}, {"mesh": 0, "scale": [10, 10, 1]},
+    {"mesh": 0, "translation": [0, 0, 3]}, {"mesh": 0, "translation": [0, 0, 1.5]}, {"mesh": 0, "translation": [9, 0, -2]}])";
+  model.more = R"("cameras": [{"name": "c", "type": "perspective", "perspective": {"yfov": 1.5707963267948966}}], )";
+  ModelParams params;
+  params.model_camera = "c";
+  const Job job = job_of(test::make_file("four.gltf", model.text()), params);
+  const double metre = job.slm.grid.height() / 4;
+  std::vector<double> areas, places;  // in the file's units
+  for (const Mesh& mesh : job.scene.meshes) {
+    areas.push_back(0);
+    for (const auto& [a, b, c] : mesh.triangles)
+      areas.back() +=
+          cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]).z / 2 / metre / metre;
+    places.push_back((mesh.positions[0].z + 0.3) / metre);
+  }
+  const std::vector<double> expected_areas{2.25 * (0.25 + 32.0 / 9), 0.5 - 0.25 * 0.25 / 2, 0.5},
+      expected_places{0, 1.5, -2};
+  ASSERT_EQ(areas.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(areas[i], expected_areas[i], 1e-11) << i;
+    EXPECT_NEAR(places[i], expected_places[i], 1e-12) << i;
+  }
+}
+
 // After either of these turns the L is the same: z up is turned to y up first.
 TEST(ModelJob, UpAndRotationTurnTheModel) {
   const Box upright = box_of(job_of(test::make_file("y.obj", letter()), upright_model()));

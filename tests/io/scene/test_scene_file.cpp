@@ -7,6 +7,7 @@
 #include "holotrace/io/scene/scene_file.h"
 #include "io/scene/scene_text.h"
 #include "support/data_files.h"
+#include "support/gltf.h"
 #include "support/temporary.h"
 
 namespace holotrace {
@@ -254,11 +255,35 @@ TEST(SceneFile, PointsOfAFileStandWhereScaleAndDistancePutThem) {
 }
 
 TEST(SceneFile, WarningsOfModelsReachTheJob) {
-  const std::string file = test::data_file("pump.glb");
+  test::GltfTriangle triangle;
+  triangle.more = R"("extensionsUsed": ["EXT_unheard_of"], )";
+  const std::string file = test::make_file("unheard_of.gltf", triangle.text());
   const Job job = load("wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = '" + file +
                        "'\nfit = \"20 mm\"\nposition = \"0 0 -300 mm\"\n");
-  EXPECT_EQ(job.warnings, (std::vector<std::string>{file + ": cameras are ignored"}));
+  EXPECT_EQ(job.warnings, (std::vector<std::string>{file + ": the extension EXT_unheard_of is ignored"}));
   for (const Mesh& mesh : job.scene.meshes) EXPECT_LT(size_t(mesh.material), job.scene.materials.size());
+}
+
+// A model is scaled from 1 m to 20 mm: a point light of 1 W/sr to (1/50)². The lights of two copies are two.
+TEST(SceneFile, LightsOfModelsAreTakenIfAsked) {
+  test::GltfTriangle triangle;
+  triangle.nodes = R"([{"mesh": 0, "translation": [0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}])";
+  triangle.more = R"("extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}, )";
+  const std::string scene = "wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = '" +
+                            test::make_file("lit.gltf", triangle.text()) +
+                            "'\nfit = \"20 mm\"\npositions = [\"0 0 -300 mm\", \"10 0 -300 mm\"]\n";
+  const Job job = load(scene + "lights = true\n");
+  ASSERT_EQ(job.scene.lights.size(), 2u);
+  EXPECT_TRUE(job.warnings.empty());
+  const auto light = std::get<PointLight>(job.scene.lights[1]);
+  EXPECT_NEAR(light.intensity.x, 1.0 / 2500, 1e-18);
+  EXPECT_LT(length(light.position - job.scene.meshes[1].positions[0]), 1e-15);  // both at their node
+  EXPECT_TRUE(load(scene + "lights = false\n").warnings.empty());
+  const Job unlit = load(scene);
+  EXPECT_TRUE(unlit.scene.lights.empty());
+  ASSERT_EQ(unlit.warnings.size(), 1u);
+  EXPECT_NE(unlit.warnings[0].find("the model's lights are ignored; \"lights = true\" takes them into the scene"),
+            std::string::npos);
 }
 
 TEST(SceneFile, CentresMayBeOfEitherSign) {

@@ -15,6 +15,10 @@ enum class UpAxis { y, minus_y, z, minus_z, x, minus_x };
 /// What a model stands on: a round floor whose light fades towards its edge, or nothing.
 enum class ModelFloor { round, none };
 
+/// The lamps of a model: those of its file if it has any, else a photographer's; always those of its file; or always a
+/// photographer's.
+enum class ModelLights { choose, file, studio };
+
 /// How a model without a scene is shown.
 struct ModelParams {
   UpAxis up = UpAxis::y;
@@ -22,6 +26,8 @@ struct ModelParams {
   double fit = 0.8;                     ///< part of the view's width or height that the model takes
   ModelFloor floor = ModelFloor::round;
   double model_distance = 0;  ///< from the panel to the model's middle [m]; 0: 19.5 panel widths
+  ModelLights model_lights = ModelLights::choose;
+  std::string model_camera{};  ///< camera of the file whose view is shown, in place of up, rotation, fit and floor
 };
 
 template <class Visitor>
@@ -43,6 +49,12 @@ void describe(Visitor&& v, ModelParams& p) {
            "models: what the model stands on: a round floor that fades towards its edge, or nothing"));
   v(length("model_distance", p.model_distance, range::not_negative,
            "models: distance from the panel to the middle of the model; 0 m: 19.5 panel widths, 300 mm for pluto"));
+  v(choice("model_lights", p.model_lights,
+           {{"auto", ModelLights::choose}, {"file", ModelLights::file}, {"studio", ModelLights::studio}},
+           "models: lamps: those of its file (glTF), two of a photographer, or auto: those of the file if it has any"));
+  v(text("model_camera", p.model_camera,
+         "models: name of a camera of the file (glTF) whose view is shown, without a floor; "
+         "up, rotation and fit then do not count"));
 }
 
 }  // namespace holotrace

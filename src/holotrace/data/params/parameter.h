@@ -147,6 +147,10 @@ inline Parameter<std::vector<std::string>> texts(const char* name, std::vector<s
                                                  const std::string& help) {
   return {"texts", name, value, help};
 }
+/// A name that only a file knows, such as that of a camera.
+inline Parameter<std::string> text(const char* name, std::string& value, const std::string& help) {
+  return {"text", name, value, help};
+}
 /// Path of a file. In a scene file it is relative to that file's folder.
 inline Parameter<std::string> path(const char* name, std::string& value, const std::string& help) {
   return {"path", name, value, help};

@@ -63,7 +63,7 @@ std::vector<uint32_t> gltf_indices(const GltfFile& gltf, size_t accessor);
 /// @throws Error naming the file if the data are damaged
 std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn);
 
-/// Warns of features that are not shown: lights, cameras, and other extensions.
+/// Warns of extensions that are ignored.
 void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn);
 
 }  // namespace holotrace

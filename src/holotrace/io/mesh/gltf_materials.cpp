@@ -384,15 +384,12 @@ std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& w
 
 void warn_of_gltf_features(const GltfFile& gltf, const WarnOnce& warn) try {
   const Json& document = gltf.document;
-  if (!member(document, "cameras").empty()) warn("cameras", "cameras are ignored");
   for (const Json& item : member(document, "extensionsUsed")) {
     const std::string name = item.get<std::string>();
-    if (name == "KHR_lights_punctual")
-      warn("lights", "the model's lights are ignored; place them in the scene");
-    else if (!name.starts_with("KHR_materials_") && name != "KHR_texture_transform" && name != "EXT_texture_webp" &&
-             name != "KHR_animation_pointer" && name != "KHR_node_visibility" && name != "KHR_mesh_quantization" &&
-             name != "EXT_mesh_gpu_instancing" && name != "KHR_draco_mesh_compression" &&
-             name != "EXT_meshopt_compression")
+    if (!name.starts_with("KHR_materials_") && name != "KHR_lights_punctual" && name != "KHR_texture_transform" &&
+        name != "EXT_texture_webp" && name != "KHR_animation_pointer" && name != "KHR_node_visibility" &&
+        name != "KHR_mesh_quantization" && name != "EXT_mesh_gpu_instancing" && name != "KHR_draco_mesh_compression" &&
+        name != "EXT_meshopt_compression")
       warn(name, fmt::format("the extension {} is ignored", name));
   }
 } catch (const Json::exception& e) {

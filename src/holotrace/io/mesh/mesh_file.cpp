@@ -86,26 +86,7 @@ void keep_what_is_seen(Mesh& mesh) {
     return length(cross(b - a, c - a)) > rounding * side;
   };
   std::erase_if(mesh.triangles, [&](const auto& t) { return !has_area(t); });
-  constexpr uint32_t unused = UINT32_MAX;
-  std::vector<uint32_t> places(mesh.positions.size(), unused);
-  for (const auto& t : mesh.triangles)
-    for (const uint32_t v : t) places[v] = 0;
-  uint32_t count = 0;
-  for (uint32_t& place : places)
-    if (place != unused) place = count++;
-  if (count == places.size()) return;
-  const auto keep_used = [&](auto& values) {
-    if (values.empty()) return;
-    for (size_t v = 0; v < places.size(); ++v)
-      if (places[v] != unused) values[places[v]] = values[v];
-    values.resize(count);
-  };
-  keep_used(mesh.positions);
-  keep_used(mesh.normals);
-  keep_used(mesh.texture_coordinates);
-  keep_used(mesh.colours);
-  for (auto& t : mesh.triangles)
-    for (uint32_t& v : t) v = places[v];
+  drop_unused_vertices(mesh);
 }
 
 }  // namespace

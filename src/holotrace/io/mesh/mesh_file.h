@@ -9,13 +9,24 @@
 
 namespace holotrace {
 
+/// A camera of a model's file. It looks along −z of its place, y is up.
+struct ModelCamera {
+  std::string name;
+  Frame place;
+  /// Half of the height of its picture [1, the model's unit]: at a distance d, offset + slope·d. A perspective camera has no
+  /// offset, an orthographic one no slope.
+  double slope = 0, offset = 0;
+};
+
 /// The content of a file of meshes. Mesh::material is an index into `materials`.
 struct LoadedModel {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
-  std::vector<std::string> warnings;  ///< features that the file asks for and that are not shown
-  bool is_of_points = false;          ///< its surfaces are those around the points of a file without faces
-  std::optional<double> last_key{};   ///< the end of its animation [s]; nothing if it has none
+  std::vector<Light> lights{};         ///< those of a glTF file
+  std::vector<ModelCamera> cameras{};  ///< the same
+  std::vector<std::string> warnings;   ///< features that the file asks for and that are not shown
+  bool is_of_points = false;           ///< its surfaces are those around the points of a file without faces
+  std::optional<double> last_key{};    ///< the end of its animation [s]; nothing if it has none
 };
 
 /// What of a model is read: the time of its animation, and its variant.
@@ -35,7 +46,8 @@ bool is_mesh_file(const std::string& path);
 /// flat shading), texture coordinates with v up, vertex colours, and the materials with their textures, embedded
 /// or beside the file. All surfaces are two-sided: culling of back faces is an optimization of rasterisers.
 ///
-/// - glTF 2.0: see gltf_materials in io/mesh/gltf.h. Its nodes, skins and morph targets are as its animation has them at the
+/// - glTF 2.0: see gltf_materials in io/mesh/gltf.h. Lights of KHR_lights_punctual have a candela as 1 W/sr and a lux as 1 W/m²,
+///   as emission has a nit as 1 W/m²/sr; their range is ignored. Its nodes, skins and morph targets are as its animation has them at the
 ///   time (pose_gltf in io/mesh/gltf_animation.h).
 /// - OBJ: see read_obj_materials in io/mesh/obj_materials.h. Vertex colours are sRGB-coded, in [0, 1].
 /// - STL, OFF, COLLADA, 3DS and FBX: shapes, vertex colours (sRGB-coded), diffuse and emitted colours, and the diffuse

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"
 #include "holotrace/base/quaternion.h"
+#include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/mesh/gltf.h"
 #include "holotrace/io/mesh/gltf_animation.h"
@@ -73,10 +75,16 @@ class GltfReader {
     hide_nodes();
     for_each_node(roots(), [&](size_t number) {
       const Json& node = nodes.at(number);
-      if (node.contains("mesh") && !is_hidden_.at(number))
+      if (is_hidden_.at(number)) return;
+      if (node.contains("mesh"))
         for (const Frame& copy : copies_of(node)) read_mesh(node, compose(places_.at(number), copy));
+      const Json& light = extension(node, "KHR_lights_punctual");
+      if (light.contains("light")) read_light(gltf_count(gltf_, light.at("light")), places_.at(number));
+      if (node.contains("camera")) read_camera(gltf_count(gltf_, node.at("camera")), node, places_.at(number));
     });
     LoadedModel model = reader_.finish(std::move(materials_), last_key_.has_value());
+    model.lights = std::move(lights_);
+    model.cameras = std::move(cameras_);
     model.last_key = last_key_;
     return model;
   } catch (const Json::exception& e) {
@@ -146,6 +154,55 @@ class GltfReader {
       if (!moves.empty()) copies[i].origin = {moves[3 * i], moves[3 * i + 1], moves[3 * i + 2]};
     }
     return copies;
+  }
+
+  // A number of a light or camera in its range; `otherwise` if it is not given.
+  double number_of(const Json& parent, const char* key, double otherwise, double lowest, double highest) const {
+    const double value = parent.value(key, otherwise);
+    require(value >= lowest && value <= highest, "{}: expected {} from {} to {}, got {}; export it again",
+            reader_.path(), key, lowest, highest, value);
+    return value;
+  }
+
+  void read_light(size_t number, const Frame& place) {
+    constexpr double most = std::numeric_limits<double>::max();
+    const Json& light = list(extension(gltf_.document, "KHR_lights_punctual"), "lights").at(number);
+    const auto colour = numbers<3>(light, "color", {1, 1, 1});
+    require(std::all_of(colour.begin(), colour.end(), [](double c) { return c >= 0 && c <= most; }),
+            "{}: expected colours of lights of 0 or more, got ({}, {}, {}); export it again", reader_.path(), colour[0],
+            colour[1], colour[2]);
+    const Vec3 power = Vec3{colour[0], colour[1], colour[2]} * number_of(light, "intensity", 1, 0, most);
+    require(is_finite(power) && is_finite(place.origin) && length(place.z) > 0 && length(place.z) <= most,
+            "{}: expected a light of a finite place, direction and intensity, got another; export it again",
+            reader_.path());
+    const Vec3 direction = normalize(place.z) * -1.0;
+    const std::string type = light.at("type").get<std::string>();
+    if (type == "point") {
+      lights_.push_back(PointLight{place.origin, power});
+    } else if (type == "directional") {
+      lights_.push_back(DirectionalLight{direction, power, place.origin});
+    } else if (type == "spot") {
+      const Json cone = light.value("spot", Json::object());
+      const double outer = number_of(cone, "outerConeAngle", pi / 4, 0, pi / 2);
+      lights_.push_back(
+          SpotLight{place.origin, direction, power, number_of(cone, "innerConeAngle", 0, 0, outer), outer});
+    } else {
+      reader_.warn("light type", fmt::format("a light of the type \"{}\" is ignored", type));
+    }
+  }
+
+  void read_camera(size_t number, const Json& node, const Frame& place) {
+    const Json& camera = list(gltf_.document, "cameras").at(number);
+    ModelCamera read{camera.value("name", node.value("name", "")), place};
+    const bool is_orthographic = camera.at("type") == "orthographic";
+    const Json& lens = camera.at(is_orthographic ? "orthographic" : "perspective");
+    (is_orthographic ? read.offset : read.slope) =
+        is_orthographic ? lens.at("ymag").get<double>() : std::tan(lens.at("yfov").get<double>() / 2);
+    const auto is_usable = [](double value) { return value > 0 && std::isfinite(value); };
+    require(is_finite(place.origin) && is_usable(read.slope + read.offset) && is_usable(std::abs(determinant(place))),
+            "{}: expected a camera of a finite place with a picture of some height, got another; export it again",
+            reader_.path());
+    cameras_.push_back(std::move(read));
   }
 
   // Finds the nodes that KHR_node_visibility hides, with all below them.
@@ -348,7 +405,9 @@ class GltfReader {
   std::vector<FileMaterial> materials_;
   std::optional<size_t> variant_;  // of the materials
   std::vector<Frame> places_;      // of the nodes
-  std::vector<bool> is_hidden_;    // nodes
+  std::vector<Light> lights_{};
+  std::vector<ModelCamera> cameras_{};
+  std::vector<bool> is_hidden_;  // nodes
 };
 
 }  // namespace

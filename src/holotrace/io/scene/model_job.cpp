@@ -5,11 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "holotrace/base/array.h"
 #include "holotrace/base/error.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
@@ -222,31 +225,32 @@ RectangleLight lamp(Vec3 place, Vec3 offset, double side, double white) {
   return {place + offset - u * 0.5 - v * 0.5, u, v, Vec3{1, 1, 1} * radiance, false};
 }
 
+// The distance up to which is a part of all areas; 0 if there are none.
+double part_of(std::vector<std::pair<double, double>>& distances_and_areas, double part) {
+  std::sort(distances_and_areas.begin(), distances_and_areas.end());
+  double total = 0, sum = 0;
+  for (const auto& [distance, area] : distances_and_areas) total += area;
+  for (const auto& [distance, area] : distances_and_areas)
+    if ((sum += area) >= part * total) return distance;
+  return distances_and_areas.empty() ? 0 : distances_and_areas.back().first;
+}
+
 // Distances of the nearest and the farthest surface that faces the panel, without the outer hundredths of the area.
-std::vector<double> surface_distances(const std::vector<Mesh>& meshes) {
+std::vector<double> surface_distances(std::span<const Mesh> meshes) {
   std::vector<std::pair<double, double>> parts;  // distance, area seen
-  double total = 0;
   for (const Mesh& mesh : meshes)
     for (const auto& [a, b, c] : mesh.triangles) {
       const Vec3 p = mesh.positions[a], q = mesh.positions[b], r = mesh.positions[c];
       const double area = cross(q - p, r - p).z / 2;
       if (area <= 0) continue;
       parts.emplace_back(-(p.z + q.z + r.z) / 3, area);
-      total += area;
     }
   if (parts.empty()) return {};
-  std::sort(parts.begin(), parts.end());
-  const auto at = [&](double part) {
-    double sum = 0;
-    for (const auto& [distance, area] : parts)
-      if ((sum += area) >= part * total) return distance;
-    return parts.back().first;
-  };
-  return {at(0.02), at(0.98)};
+  return {part_of(parts, 0.02), part_of(parts, 0.98)};
 }
 
 // Two places of focus, or one if both are within the depth of focus 2λ(d/w)².
-std::vector<double> focus_of(const std::vector<Mesh>& meshes, double distance, const Slm& slm, double wavelength) {
+std::vector<double> focus_of(std::span<const Mesh> meshes, double distance, const Slm& slm, double wavelength) {
   const std::vector<double> ends = surface_distances(meshes);
   if (ends.empty()) return {distance};
   const double in_focus = 2 * wavelength * std::pow(distance / std::max(slm.grid.width(), slm.grid.height()), 2);
@@ -254,23 +258,108 @@ std::vector<double> focus_of(const std::vector<Mesh>& meshes, double distance, c
   return ends;
 }
 
-}  // namespace
+// Into the frame of a camera, without the scale of its node.
+Frame into_camera(const ModelCamera& camera) {
+  const Vec3 x = normalize(camera.place.x), y = normalize(camera.place.y), z = normalize(camera.place.z);
+  const Frame turn{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}, {}};
+  return compose(turn, shift(camera.place.origin * -1.0));
+}
 
-Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params, Outside outside, double time) {
-  check_ranges(params);
-  LoadedModel model = load_meshes(path, outside);  // at 0 s, by which it is placed at all times
-  Frame placing;
+// The parts of meshes, in the camera's frame, that are in its picture: |x|/aspect and |y| are at most offset − slope·z, z ≤ 0.
+std::vector<Mesh> in_picture(const std::vector<Mesh>& meshes, const ModelCamera& camera, double aspect,
+                             const std::vector<HalfSpace>& further = {}) {
+  std::vector<HalfSpace> picture = further;
+  picture.push_back({{0, 0, -1}, 0});
+  for (const double side : {-1.0, 1.0})
+    for (const Vec3 across : {Vec3{side / aspect, 0, 0}, Vec3{0, side, 0}})
+      picture.push_back({across - Vec3{0, 0, camera.slope}, -camera.offset});
+  std::vector<Mesh> seen;
+  for (const Mesh& mesh : meshes) seen.push_back(clip_mesh(mesh, picture));
+  return seen;
+}
+
+// How models stand before the panel as a camera of their file sees them: the height of its picture, where half of what it sees is
+// nearer, is that of the panel.
+class CameraPlacing {
+ public:
+  /// @throws Error naming the file if nothing is in the camera's picture
+  CameraPlacing(const std::string& path, const ModelCamera& camera, std::vector<Mesh> meshes, const Grid& panel,
+                double distance)
+      : distance_(distance), aspect_(panel.width() / panel.height()) {
+    move(into_camera(camera), meshes);
+    std::vector<std::pair<double, double>> parts;  // distance, area in the picture
+    for (const Mesh& mesh : in_picture(meshes, camera, aspect_))
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const Vec3 p = mesh.positions[a], q = mesh.positions[b], r = mesh.positions[c];
+        const double away = -(p.z + q.z + r.z) / 3, half = camera.offset + camera.slope * away;
+        parts.emplace_back(away, std::abs(cross(q - p, r - p).z) / (half * half));
+      }
+    middle_ = part_of(parts, 0.5);
+    require(middle_ > 0, "{}: expected a camera that sees the model, got \"{}\", which does not; choose another", path,
+            camera.name);
+    factor_ = panel.height() / (2 * (camera.offset + camera.slope * middle_));
+  }
+
+  /// Places meshes, without what the camera does not see and would stand before what it sees: the panel's rays are nearly
+  /// parallel, those of a camera come from one place.
+  /// @return the frame by which they were moved
+  Frame place(const ModelCamera& camera, std::vector<Mesh>& meshes) const {
+    move(into_camera(camera), meshes);
+    std::vector<Mesh> seen = in_picture(meshes, camera, aspect_, {{{0, 0, 1}, -middle_}});
+    const double beyond = middle_ * (1 + 1e-9);  // surfaces in the plane of the middle are not taken twice
+    for (const Mesh& mesh : meshes) seen.push_back(clip_mesh(mesh, {{{0, 0, -1}, beyond}}));
+    std::erase_if(seen, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+    meshes = std::move(seen);
+    const Frame before_panel = compose(shift({0, 0, factor_ * middle_ - distance_}), scale(factor_));
+    move(before_panel, meshes);
+    return compose(before_panel, into_camera(camera));
+  }
+
+ private:
+  double distance_, aspect_, middle_ = 0, factor_ = 1;
+};
+
+const ModelCamera& camera_named(const std::string& name, const std::string& path, const LoadedModel& model) {
+  std::vector<std::string> names;
+  for (const ModelCamera& camera : model.cameras) {
+    if (camera.name == name) return camera;
+    names.push_back(camera.name);
+  }
+  require(!names.empty(), "{}: expected a file with cameras for the camera \"{}\", got one without", path, name);
+  throw Error(path + ": " + unknown_name_message("camera", name, names));
+}
+
+// Irradiance of lamps on a surface that faces each of them [W/m²], the mean of the colours, in sum.
+double irradiance_at(Vec3 place, const std::vector<Light>& lights) {
+  double sum = 0;
+  for (const Light& light : lights) {
+    const auto at_distance = [&](Vec3 from) { return 1 / std::max(dot(place - from, place - from), 1e-30); };
+    const auto mean = [](Vec3 colour) { return (colour.x + colour.y + colour.z) / 3; };
+    if (const auto* point = std::get_if<PointLight>(&light))
+      sum += mean(point->intensity) * at_distance(point->position);
+    else if (const auto* spot = std::get_if<SpotLight>(&light))
+      sum += mean(spot->intensity) * at_distance(spot->position);
+    else if (const auto* parallel = std::get_if<DirectionalLight>(&light))
+      sum += mean(parallel->irradiance);
+  }
+  return sum;
+}
+
+// Where a model stands, and what it stands on, in its place.
+struct Standing {
+  Frame frame;
+  std::optional<Mesh> floor;
+};
+
+// Puts a model upright on its floor, seen from above, in the middle of the view.
+Standing stand_on_floor(const std::string& path, const ModelParams& params, const Grid& panel, Vec3 middle,
+                        LoadedModel& model) {
+  Standing standing;
   const auto place = [&](const Frame& frame) {
     move(frame, model.meshes);
-    placing = compose(frame, placing);
+    standing.frame = compose(frame, standing.frame);
   };
-  const Grid& panel = slm.grid;
-  const double distance = params.model_distance > 0 ? params.model_distance : depth_in_widths * panel.width();
   place(upright(params.up));
-  require(
-      !model.meshes.empty(),
-      "{}: expected a model that is seen at 0 s, by which it is placed, but its animation hides all then; put it into a scene",
-      path);
   const std::string extension = extension_of(path);
   const bool has_front = extension == ".glb" || extension == ".gltf";
   if (!params.rotation.empty())
@@ -280,59 +369,106 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
 
   // On the floor, which is y = 0 here, about the axis of the model.
   std::vector<Vec3> places = places_of(model.meshes);
-  const ModelBounds standing = bounds_of(places);
-  const Vec3 foot{standing.middle().x, standing.low.y, standing.middle().z};
+  const ModelBounds upright = bounds_of(places);
+  const Vec3 foot{upright.middle().x, upright.low.y, upright.middle().z};
   place(shift(foot * -1.0));
   for (Vec3& p : places) p = p - foot;
-  const double radius = std::max(radius_of(places), 0.1 * standing.high.y - 0.1 * standing.low.y);
-  const bool has_floor = params.floor == ModelFloor::round;
-  Job job;
-  job.scene.materials = std::move(model.materials);
-  if (has_floor) {
-    Mesh floor = fading_disc(floor_full * radius, floor_end * radius);
-    floor.material = int(job.scene.materials.size());
-    job.scene.materials.push_back(DiffuseMaterial{{0.5, 0.5, 0.5}});
-    model.meshes.push_back(std::move(floor));
+  const double radius = std::max(radius_of(places), 0.1 * upright.high.y - 0.1 * upright.low.y);
+  if (params.floor == ModelFloor::round) {
+    standing.floor = fading_disc(floor_full * radius, floor_end * radius);
     for (int i = 0; i < 16; ++i)
       places.push_back(Vec3{std::cos(pi * i / 8), 0, std::sin(pi * i / 8)} * (floor_seen * radius));
   }
 
-  // Seen from above, in the middle of the view.
   const Frame view = rotation_x(elevation);
   for (Vec3& p : places) p = transform_vector(view, p);
   const ModelBounds seen = bounds_of(places);
   const Vec3 size = seen.high - seen.low;
   const double factor = params.fit / std::max(size.x / panel.width(), size.y / panel.height());
-  const Vec3 middle{0, 0, -distance};
-  place(compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view))));
+  const Frame into_view = compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view)));
+  place(into_view);
+  if (standing.floor) transform_mesh(into_view, *standing.floor);
+  return standing;
+}
 
-  const double reach = 0.67 * distance;  // of the lamps
-  job.scene.lights = {lamp(middle, Vec3{-0.40, 0.55, 0.73} * reach, 0.4 * reach, 0.85),
-                      lamp(middle, Vec3{0.80, 0.20, 0.56} * reach, 0.7 * reach, 0.2)};
-  job.scene.background = {0.15, 0.15, 0.15};
-  job.render.has_background = false;  // it lights the model, which stands before black
+// Lights a model: by the lamps of its file, or by two of a photographer's; and evenly from all around.
+// @return whether by those of its file
+bool light_model(const std::string& path, const ModelParams& params, Vec3 middle, const std::vector<Light>& of_file,
+                 Scene& scene) {
+  require(params.model_lights != ModelLights::file || !of_file.empty(),
+          "{}: expected a model with lights, got one without; leave out --model-lights", path);
+  constexpr double key = 0.85, fill = 0.2, around = 0.15;  // radiance of a white surface that faces each
+  const bool has_own = params.model_lights != ModelLights::studio && !of_file.empty();
+  if (has_own) {
+    scene.lights = of_file;
+    const double white = irradiance_at(middle, of_file) / pi;
+    scene.background = Vec3{1, 1, 1} * (around * (white > 0 ? white / (key + fill) : 1));
+  } else {
+    const double reach = 0.67 * -middle.z;  // of the lamps
+    scene.lights = {lamp(middle, Vec3{-0.40, 0.55, 0.73} * reach, 0.4 * reach, key),
+                    lamp(middle, Vec3{0.80, 0.20, 0.56} * reach, 0.7 * reach, fill)};
+    scene.background = {around, around, around};
+  }
+  return has_own;
+}
+
+}  // namespace
+
+Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params, Outside outside, double time) {
+  check_ranges(params);
+  LoadedModel model = load_meshes(path, outside);  // at 0 s, by which it is placed at all times
+  require(
+      !model.meshes.empty(),
+      "{}: expected a model that is seen at 0 s, by which it is placed, but its animation hides all then; put it into a scene",
+      path);
+  const Grid& panel = slm.grid;
+  const double distance = params.model_distance > 0 ? params.model_distance : depth_in_widths * panel.width();
+  const Vec3 middle{0, 0, -distance};
+  Standing standing;
+  std::optional<CameraPlacing> by_camera;
+  if (params.model_camera.empty()) {
+    standing = stand_on_floor(path, params, panel, middle, model);
+  } else {
+    require(params.rotation.empty(), "expected either a rotation or a camera of the model, got both");
+    const ModelCamera& camera = camera_named(params.model_camera, path, model);
+    by_camera.emplace(path, camera, model.meshes, panel, distance);
+    standing.frame = by_camera->place(camera, model.meshes);
+  }
+
+  Job job;
   job.slm = slm;
-  job.scene.meshes = std::move(model.meshes);
-  const double enlarged = std::cbrt(std::abs(determinant(placing)));
-  for (Material& material : job.scene.materials) scale_absorption(enlarged, material);
-  job.warnings = std::move(model.warnings);
-  choose_wavelengths(job);
-  const size_t own = job.scene.meshes.size() - (has_floor ? 1 : 0);
-  job.camera.distances = focus_of({job.scene.meshes.begin(), job.scene.meshes.begin() + std::ptrdiff_t(own)}, distance,
-                                  slm, job.wavelengths.front());
-  job.render.focus = job.camera.distances.front();
   job.time = time;
   job.last_key = model.last_key;
-  if (time != 0 && model.last_key) {
+  job.warnings = model.warnings;
+  const auto take = [&](LoadedModel& placed) {
+    const double enlarged = std::cbrt(std::abs(determinant(standing.frame)));
+    for (Material& material : placed.materials) scale_absorption(enlarged, material);
+    for (Light& light : placed.lights) light = transform_light(standing.frame, light);
+    job.scene.materials = std::move(placed.materials);
+    job.scene.meshes = std::move(placed.meshes);
+    if (!standing.floor) return;
+    standing.floor->material = int(job.scene.materials.size());
+    job.scene.materials.push_back(DiffuseMaterial{{0.5, 0.5, 0.5}});
+    job.scene.meshes.push_back(*standing.floor);
+  };
+  take(model);
+  const bool has_own_lights = light_model(path, params, middle, model.lights, job.scene);
+  job.render.has_background = false;  // it lights the model, which stands before black
+  choose_wavelengths(job);
+  const std::span<const Mesh> own(job.scene.meshes.data(), job.scene.meshes.size() - (standing.floor ? 1 : 0));
+  job.camera.distances = focus_of(own, distance, slm, job.wavelengths.front());
+  job.render.focus = job.camera.distances.front();
+  if (time != 0 && job.last_key) {
     LoadedModel posed = load_meshes(path, outside, {time});
-    move(placing, posed.meshes);
-    for (Material& material : posed.materials) scale_absorption(enlarged, material);
     for (std::string& warning : posed.warnings)
       if (std::find(job.warnings.begin(), job.warnings.end(), warning) == job.warnings.end())
         job.warnings.push_back(std::move(warning));
-    if (has_floor) posed.meshes.push_back(std::move(job.scene.meshes.back()));
-    job.scene.meshes = std::move(posed.meshes);
-    std::move(posed.materials.begin(), posed.materials.end(), job.scene.materials.begin());  // that of the floor stays
+    if (by_camera)
+      standing.frame = by_camera->place(camera_named(params.model_camera, path, posed), posed.meshes);
+    else
+      move(standing.frame, posed.meshes);
+    take(posed);
+    if (has_own_lights) job.scene.lights = std::move(posed.lights);
   }
   check_scene(job.scene);
   return job;

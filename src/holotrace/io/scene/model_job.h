@@ -29,13 +29,19 @@ double turn_that_shows_most(const std::vector<Mesh>& meshes, const std::vector<d
 /// model, so that it has no edge.
 ///
 /// **Light.** Two square lamps that face the model: a key light above left in front of it, and a weaker, larger fill light
-/// on the right. Even light comes from all around. White that faces the key light has a radiance of about 1.
+/// on the right. Even light comes from all around. White that faces the key light has a radiance of about 1. If the file
+/// has lights, they take the place of the lamps, and the even light is as strong beside them.
+///
+/// **Camera.** With `model_camera` the panel stands before the model in the direction of that camera, and the height of its
+/// picture, where half of what it sees is nearer, is that of the panel. It has no floor. What
+/// is nearer and outside of its picture is cut away. An animated camera moves the model before the panel.
 ///
 /// The camera is focused on the nearest and on the farthest surface that faces the panel. Colours are chosen
 /// (choose_wavelengths). All else is as in an empty scene file.
 /// @param slm     panel that shows it
 /// @param time    time of the model's first animation [s]. Place, size and light are those for the model at 0 s.
-/// @throws Error  as load_meshes does, and for a rotation that cannot be read
+/// @throws Error  as load_meshes does, for a rotation that cannot be read, a camera that the file does not have or that sees
+///                nothing, and for lights of the file if it has none
 Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params = {},
                   Outside outside = Outside::refused, double time = 0);
 

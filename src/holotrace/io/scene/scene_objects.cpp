@@ -52,6 +52,7 @@ template <class Geometry>
 void transform(const Frame& frame, Geometry& geometry) {
   for (Mesh& mesh : geometry.meshes) transform_mesh(frame, mesh);
   for (ScenePoint& point : geometry.points) point.position = transform_point(frame, point.position);
+  for (Light& light : geometry.lights) light = transform_light(frame, light);
 }
 
 Frame scaling(double factor) { return {{factor, 0, 0}, {0, factor, 0}, {0, 0, factor}, {}}; }
@@ -88,6 +89,7 @@ void SceneObjects::add_shapes(TomlTable& shapes) {
 
 void SceneObjects::add_object(TomlTable object) {
   Geometry geometry = read_object(object);
+  job_.scene.lights.insert(job_.scene.lights.end(), geometry.lights.begin(), geometry.lights.end());
   const Bounds bounds = bounds_of(geometry.meshes, geometry.points);
   if (bounds.empty && geometry.is_animated) return;  // hidden at this time
   require(!bounds.empty, "{}expected an object with triangles or points, got an empty one", object.where(""));
@@ -176,7 +178,7 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   const Frame size = fit > 0 ? fitting(fitted(), fit, object.where("fit")) : scaling(scale);
   scale_absorption_of_models(size.x.x, local);
   check_growth(object, local, positions.size());
-  Geometry placed{{}, {}, local.is_animated};
+  Geometry placed{{}, {}, {}, local.is_animated};
   for (Vec3 place : positions) {
     Frame frame = compose(rotation, size);
     frame.origin += place - Vec3{0, 0, distance};
@@ -184,6 +186,7 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
     transform(frame, copy);
     std::move(copy.meshes.begin(), copy.meshes.end(), std::back_inserter(placed.meshes));
     placed.points.insert(placed.points.end(), copy.points.begin(), copy.points.end());
+    placed.lights.insert(placed.lights.end(), copy.lights.begin(), copy.lights.end());
   }
   return placed;
 }
@@ -244,6 +247,7 @@ SceneObjects::Geometry SceneObjects::read_parts(const std::string& shape) {
     Geometry geometry = read_object(part);
     std::move(geometry.meshes.begin(), geometry.meshes.end(), std::back_inserter(whole.meshes));
     whole.points.insert(whole.points.end(), geometry.points.begin(), geometry.points.end());
+    whole.lights.insert(whole.lights.end(), geometry.lights.begin(), geometry.lights.end());
     whole.is_animated = whole.is_animated || geometry.is_animated;
   }
   return whole;
@@ -263,14 +267,17 @@ PoseTime SceneObjects::pose_of(TomlTable& object) {
   return at;
 }
 
+void SceneObjects::add_warning(const std::string& sentence) {
+  if (std::find(job_.warnings.begin(), job_.warnings.end(), sentence) == job_.warnings.end())
+    job_.warnings.push_back(sentence);
+}
+
 SceneObjects::Model& SceneObjects::load_model(TomlTable& object, const PoseTime& at) {
   const std::string file = read_file_name(object, "file");
   const std::tuple key(file, at.seconds, at.animation, at.repeats, at.variant);
   if (!models_.contains(key)) {
     object.locate("file", [&] { models_[key].loaded = load_meshes(file, outside_, at); });
-    for (const std::string& warning : models_[key].loaded.warnings)
-      if (std::find(job_.warnings.begin(), job_.warnings.end(), warning) == job_.warnings.end())
-        job_.warnings.push_back(warning);
+    for (const std::string& warning : models_[key].loaded.warnings) add_warning(warning);
   }
   return models_[key];
 }
@@ -290,7 +297,14 @@ SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
     for (size_t i = 0; i < materials.size(); ++i)
       if (has_absorption(materials[i])) materials_of_models_.insert(model.first_material + int(i));
   }
-  Geometry geometry{model.loaded.meshes, {}, is_animated};
+  bool has_lights = false;
+  object.flag("lights", has_lights);
+  require(!has_lights || is_animated || !model.loaded.lights.empty(),
+          "{}expected a model with lights for \"lights\", got one without; leave it out", object.where("lights"));
+  if (!object.has("lights") && !model.loaded.lights.empty())
+    add_warning(fmt::format("{}the model's lights are ignored; \"lights = true\" takes them into the scene",
+                            object.where("file")));
+  Geometry geometry{model.loaded.meshes, {}, has_lights ? model.loaded.lights : std::vector<Light>(), is_animated};
   for (Mesh& mesh : geometry.meshes) {
     mesh.material = has_own_material ? -1 : mesh.material + model.first_material;
     if (has_own_material) mesh.colours.clear();

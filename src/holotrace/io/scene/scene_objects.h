@@ -35,6 +35,7 @@ class SceneObjects {
   struct Geometry {
     std::vector<Mesh> meshes;
     std::vector<ScenePoint> points;
+    std::vector<Light> lights{};
     bool is_animated = false;  // parts of it may be hidden at this time
   };
 
@@ -51,6 +52,7 @@ class SceneObjects {
   Geometry read_shape(TomlTable& object);
   Geometry read_parts(const std::string& shape);
   Geometry read_mesh_file(TomlTable& object);
+  void add_warning(const std::string& sentence);  ///< once
   Model& load_model(TomlTable& object, const PoseTime& at);
   PoseTime pose_of(TomlTable& object);
   int read_material_name(TomlTable& object);

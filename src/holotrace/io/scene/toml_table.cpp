@@ -338,7 +338,7 @@ void TomlTable::operator()(const Parameter<DeviceChoice>& p) {
 void TomlTable::operator()(const Parameter<std::string>& p) {
   std::string name;
   text(p.name, name);
-  if (!name.empty()) p.value = beside(p.name, name);
+  if (!name.empty()) p.value = std::string_view(p.kind) == "path" ? beside(p.name, name) : name;
 }
 
 void TomlTable::operator()(const Parameter<std::vector<std::string>>& p) {
