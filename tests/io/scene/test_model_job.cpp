@@ -265,6 +265,21 @@ TEST(ModelJob, WhatACameraDoesNotSeeIsCutAway) {
   }
 }
 
+// The same of an orthographic camera, whose picture is 2·0.5 high everywhere: of a triangle at z = 0, which is the middle, the
+// corner above y = 0.25 + 0.5 is cut away.
+TEST(ModelJob, AnOrthographicPictureIsAsHighEverywhere) {
+  test::GltfTriangle model;
+  model.nodes = R"([{"mesh": 0, "children": [1]}, {"translation": [0.25, 0.25, 2], "camera": 0}])";
+  model.more = R"("cameras": [{"name": "c", "type": "orthographic", "orthographic": {"xmag": 1, "ymag": 0.5}}], )";
+  ModelParams params;
+  params.model_camera = "c";
+  const Job job = job_of(test::make_file("flat.gltf", model.text()), params);
+  ASSERT_EQ(job.scene.meshes.size(), 1u);
+  double highest = 0;
+  for (const Vec3 p : job.scene.meshes[0].positions) highest = std::fmax(highest, p.y);
+  EXPECT_NEAR(highest, job.slm.grid.height() / 2, 1e-15);
+}
+
 // After either of these turns the L is the same: z up is turned to y up first.
 TEST(ModelJob, UpAndRotationTurnTheModel) {
   const Box upright = box_of(job_of(test::make_file("y.obj", letter()), upright_model()));

@@ -100,7 +100,7 @@ class TomlTable {
   void operator()(const Parameter<Vec3>& p);                      ///< "0 0 300 mm" or three texts
   void operator()(const Parameter<std::vector<std::string>>& p);  ///< a text or a list of them
   void operator()(const Parameter<DeviceChoice>& p);              ///< "opencl:1"
-  void operator()(const Parameter<std::string>& p);               ///< a text, or a path, relative to the folder of the file
+  void operator()(const Parameter<std::string>& p);  ///< a text, or a path, relative to the folder of the file
   template <class Enum>
   void operator()(const Parameter<Enum>& p) {
     std::string name;
