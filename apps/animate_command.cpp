@@ -92,7 +92,7 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
         first.camera.sweep == Sweep::none,
         "expected a film without a sweep, got one of each time; leave out sweep, or move the camera by keys over time");
     check_time_of_film(first, first, plan.from_last);
-    if (plan.from_last) plan.walk = walk_through(measured_places(first, plan.times), first.encode);
+    if (plan.from_last) plan.walk = walk_through(measured_places(first, plan.times), first);
     if (first.tracked) plan.job_at(plan.times.back());  // a track that ends before is an error at once
     // Ranks share the times, or the frames of times that depend on each other.
     Ranks& ranks = *global.ranks;

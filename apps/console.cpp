@@ -209,6 +209,7 @@ void print_summary(const Report& report, const std::string& folder, const FileRe
   for (const auto& [name, bytes] : files) names.push_back(name);
   std::sort(names.begin(), names.end());
   fmt::print("written to {}: {}\n", folder, fmt::join(names, ", "));
+  fmt::print("to see it in the browser: holotrace view {}\n", folder);
 }
 
 }  // namespace holotrace

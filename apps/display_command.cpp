@@ -51,10 +51,10 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
   command
       ->add_option(
           "holograms", o->paths,
-          "hologram files of one panel, shown in this order again and again; a whole series in the order in which it was written, "
-          "colours in sequence")
+          "hologram files of one panel, or the folder of a run for all of its holograms, shown in this order again and again; a "
+          "whole series in the order in which it was written, colours in sequence")
       ->required()
-      ->type_name("HOLOGRAM.png");
+      ->type_name("HOLOGRAM.png|DIR");
   command
       ->add_option(
           "-o,--output", o->output,
@@ -74,6 +74,7 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
     check_flag("--rate", o->rate, range::not_negative, Quantity::number);
     check_flag("--seconds", o->seconds, range::not_negative, Quantity::number);
     if (!o->output.empty()) check_output(o->output, panel_image_endings());
+    if (o->paths.size() == 1 && is_folder(o->paths.front())) o->paths = list_complete_run(o->paths.front()).holograms;
     for (const std::string& path : o->paths)
       require(
           extension_of(path) != ".toml" && !is_mesh_file(path),
@@ -94,13 +95,23 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
     }
     const std::string name = std::filesystem::path(o->output).filename().string();
     if (!o->output.empty()) {
-      for (size_t i = 1; i < o->panel.count(holograms.size()); ++i) note_output(numbered_path(o->output, i));
-      return say_warnings(write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
-        if (o->panel.are_given())
-          save_panel_images(set, name, o->panel.images(holograms, o->output, warnings_on_terminal()), o->panel.done());
-        else
-          save_holograms(set, name, holograms);
-      }));
+      const size_t files = o->panel.count(holograms.size());
+      for (size_t i = 1; i < files; ++i) note_output(numbered_path(o->output, i));
+      const std::vector<std::string> notes =
+          write_together(o->output, hologram_record(o->output), [&](const OutputSet& set) {
+            if (o->panel.are_given())
+              save_panel_images(set, name, o->panel.images(holograms, o->output, warnings_on_terminal()),
+                                o->panel.done());
+            else
+              save_holograms(set, name, holograms);
+          });
+      say_warnings(notes);
+      if (!global.is_quiet)
+        fmt::print("written: {}{}\n", o->output,
+                   files > 1 ? fmt::format(" to {}, {} pictures of {} holograms", numbered_path(o->output, files - 1),
+                                           files, holograms.size())
+                             : "");
+      return;
     }
     const std::vector<PanelImage> images = o->panel.images(holograms, "", warnings_on_terminal());
     MonitorPictures pictures(images);
@@ -115,9 +126,9 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
     action.sa_flags = int(SA_RESETHAND);
     sigaction(SIGINT, &action, nullptr);
     const DisplayOutcome outcome = show_on_monitor(job);
-    if (!global.is_quiet)
-      fmt::print("{} {} shown at {:.2f} per second, {} refreshes missed\n", outcome.shown,
-                 outcome.shown == 1 ? "hologram" : "holograms", outcome.rate, outcome.missed);
+    if (!global.is_quiet && images.size() > 1)
+      fmt::print("{} holograms shown at {:.2f} per second, {} refreshes missed\n", outcome.shown, outcome.rate,
+                 outcome.missed);
   });
 }
 

@@ -27,23 +27,25 @@ void print_text(const CostAnswer& a) {
   fmt::print("The job\n");
   line("holograms", count(e.holograms()),
        fmt::format("{:g} sets (colours, path groups, lights) x {:g} frames", e.sets, e.frames));
-  line("light paths", count(e.paths), "N of Eq. 16");
-  line("mean path length", count(e.mean_path_length), "l_avg: surfaces on a path, measured (Eq. 21)");
-  line("continuation probability", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
-  line("rays", count(e.rays), "rays that find the nearest surface");
-  line("shadow rays", count(e.shadow_rays), "to lights");
-  line("waves", count(e.waves), fmt::format("summed by the method {}", e.method.empty() ? "of the job" : e.method));
-  line("waves x pixels", count(e.waves_pixels), "of one frame");
-  fmt::print("\nOne ray (T_t), {:g} triangles\n", e.triangles);
-  line(e.accelerator, fmt::format("{:.3g} us", 1e6 * e.seconds_per_ray), "all threads at work, shading included");
-  if (e.other_seconds_per_ray > 0) {
-    line(e.other_accelerator, fmt::format("{:.3g} us", 1e6 * e.other_seconds_per_ray), "the same rays");
-    line("grid, predicted", fmt::format("{:.3g} us", 1e6 * e.grid_seconds_per_ray),
-         fmt::format("the ray alone, one thread: {:.3g} cells, {:.3g} tests", e.grid_cells_per_ray,
-                     e.grid_tests_per_ray));
+  if (e.paths > 0) {
+    line("light paths", count(e.paths), "N of Eq. 16");
+    line("mean path length", count(e.mean_path_length), "l_avg: surfaces on a path, measured (Eq. 21)");
+    line("continuation probability", count(1 - 1 / std::max(e.mean_path_length, 1.0)), "rho = 1 - 1 / l_avg (Eq. 20)");
+    line("rays", count(e.rays), "rays that find the nearest surface");
+    line("shadow rays", count(e.shadow_rays), "to lights");
+    line("waves", count(e.waves), fmt::format("summed by the method {}", e.method.empty() ? "of the job" : e.method));
+    line("waves x pixels", count(e.waves_pixels), "of one frame");
+    fmt::print("\nOne ray (T_t), {:g} triangles\n", e.triangles);
+    line(e.accelerator, fmt::format("{:.3g} us", 1e6 * e.seconds_per_ray), "all threads at work, shading included");
+    if (e.other_seconds_per_ray > 0) {
+      line(e.other_accelerator, fmt::format("{:.3g} us", 1e6 * e.other_seconds_per_ray), "the same rays");
+      line("grid, predicted", fmt::format("{:.3g} us", 1e6 * e.grid_seconds_per_ray),
+           fmt::format("the ray alone, one thread: {:.3g} cells, {:.3g} tests", e.grid_cells_per_ray,
+                       e.grid_tests_per_ray));
+    }
+    if (!e.why_no_other.empty()) line(e.other_accelerator, "not measured", e.why_no_other);
+    line("scene preparation", seconds(e.prepare_seconds), "before the first ray");
   }
-  if (!e.why_no_other.empty()) line(e.other_accelerator, "not measured", e.why_no_other);
-  line("scene preparation", seconds(e.prepare_seconds), "before the first ray");
   fmt::print("\nA run on this machine, seconds of its stages\n");
   for (const StageEstimate& stage : e.stages) line(stage.stage, seconds(stage.seconds), "");
   if (e.is_whole())
@@ -51,10 +53,12 @@ void print_text(const CostAnswer& a) {
   else
     line("all", "unknown", fmt::format("the other stages could not be probed: {}", e.why_no_simulation));
   line("this estimate", seconds(e.probe_seconds), "");
-  fmt::print("\nThe paper's count\n");
-  line("Eq. 23, these paths", seconds(a.ours.trace_seconds), "N (1 + l_avg) T_t: one shadow ray per path");
-  line(fmt::format("Eq. 23, {:g} per pixel", a.samples), seconds(a.per_pixel.trace_seconds),
-       fmt::format("N = P S = {:.3g}: every pixel its own paths (strategy gather)", a.per_pixel.paths));
+  if (e.paths > 0) {
+    fmt::print("\nThe paper's count\n");
+    line("Eq. 23, these paths", seconds(a.ours.trace_seconds), "N (1 + l_avg) T_t: one shadow ray per path");
+    line(fmt::format("Eq. 23, {:g} per pixel", a.samples), seconds(a.per_pixel.trace_seconds),
+         fmt::format("N = P S = {:.3g}: every pixel its own paths (strategy gather)", a.per_pixel.paths));
+  }
   fmt::print("\nIn real time at {:g} frames per second: trace, sum and encode each frame anew\n",
              a.real.frames_per_second);
   line("seconds per frame", seconds(a.real.seconds_per_frame),
@@ -115,14 +119,14 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       "probes");
   struct Options {
     std::string scene;
-    SceneFlags scene_flags;
+    RunFlags flags;
     double frames_per_second = 30, refresh = 0;
     Flags film{{{"start", "film_start"}}};
     bool is_json = false, has_accelerators = false;
   };
   auto o = std::make_shared<Options>();
   add_scene(*command, o->scene);
-  o->scene_flags.add(*command);
+  o->flags.add(*command, true);
   CLI::Option* fps = command
                          ->add_option("--fps", o->frames_per_second,
                                       "frame rate of the real-time estimate and of the film, in frames per second "
@@ -139,15 +143,16 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       "also compare the time per ray of Embree and of the uniform grid (the paper's appendix); takes some "
       "seconds more");
   command->add_flag("--json", o->is_json, "as JSON");
+  shorten_help(*command, {"holotrace estimate scene.toml", "holotrace estimate model.glb --quality good"},
+               {"--slm", "--wavelength", "--quality", "--method", "--frames", "--iterations", "--paths", "--eye",
+                "--fps", "--seconds", "--refresh", "--accelerators", "--json", "--help", "--help-all"});
   command->callback([o, fps, &global] {
     check_flag("--refresh", o->refresh, range::not_negative, Quantity::number);
     check_flag("--fps", o->frames_per_second, range::above_to(0, 1e6), Quantity::number);
     const auto job_at = [&](std::optional<double> time) {
-      return choose_missing(load_job(o->scene, global.outside(), o->scene_flags.model(o->scene), o->scene_flags.slm,
-                                     time, o->scene_flags.scene_edits()));
+      return choose_missing(o->flags.job(o->scene, global.outside(), time));
     };
-    Job job = load_scene(o->scene, global.outside(), o->scene_flags.model(o->scene), o->scene_flags.slm,
-                         o->scene_flags.seconds(), o->scene_flags.scene_edits());
+    Job job = o->flags.job(o->scene, global.outside());
     o->film.apply(job.animate);
     if (fps->count() > 0) job.animate.fps = o->frames_per_second;
     const bool has_film = last_change(job) || o->film.has("seconds") || o->film.has("times");

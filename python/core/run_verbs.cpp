@@ -57,7 +57,7 @@ EarlierRun earlier_run(const nb::dict& made, const RunRecord& record) {
 nb::dict run_job(const Job& given, const std::vector<Hologram>& last, const nb::object& made, const RunRecord* record,
                  const std::vector<double>& times, Watch& watch) {
   const Job job = choose_missing(given);
-  const std::optional<EyeWalk> walk = walk_through(measured_places(job, times), job.encode);
+  const std::optional<EyeWalk> walk = walk_through(measured_places(job, times), job);
   std::optional<EarlierRun> earlier;
   if (record) earlier = earlier_run(nb::cast<nb::dict>(made), *record);
   RunResults found = watch.run("run", [&](const Observer&) {

@@ -217,7 +217,7 @@ def run(scene: Scene, *, last: Last = None, progress: Progress = None, **stages:
     """The whole pipeline, from a scene to the camera's view of its holograms.
 
     Keywords are the tables of a scene file, whose values replace the scene's: ``ht.run(scene, trace={"paths": 16},
-    camera={"distances": "300 mm"})``. ``last`` has the holograms of the last picture of a film, from which those that aim at the
+    encode={"quality": "draft"})``. ``last`` has the holograms of the last picture of a film, from which those that aim at the
     scene's light go on: see ``encode_all``.
     """
     return _run_after(None, _job_of(scene, stages), last, [], progress)
@@ -226,6 +226,10 @@ def run(scene: Scene, *, last: Last = None, progress: Progress = None, **stages:
 def _job_of(scene: Scene, stages: Mapping[str, Mapping[str, Any]]) -> Any:
     job = a(Scene, scene, "to run").copy()
     for stage, params in stages.items():
+        if params is not None and not isinstance(params, Mapping):
+            raise _core.Error(
+                f'expected tables of a scene as keywords, such as encode={{"quality": "draft"}}, got {stage}={params!r}'
+            )
         job.set(stage, table(params, stage))
     return job
 

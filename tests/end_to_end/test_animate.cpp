@@ -372,6 +372,36 @@ TEST(Animate, AnEyeTrackWithoutLatencyIsThatOfKeysOverTime) {
   EXPECT_EQ(with_track, with_keys);
 }
 
+// With from_last the light of the wall is traced once for the whole walk, so a longer walk makes another film, as a fresh one is; and a
+// film whose last times are gone ends with the same bytes.
+TEST(Animate, AWalkResumesAndGrowsToTheSameBytes) {
+  const Workplace work;
+  work.write("walk.csv", "time_s,x_mm,y_mm,z_mm\n0,-0.3,0,60\n1,0.3,0,60\n");
+  std::string scene = walking_scene("next_iterations = 2\n", "") + "[eye]\ntrack = \"walk.csv\"\n";
+  scene.replace(scene.find("fps = 5\n"), 8, "fps = 5\nfrom_last = true\n");
+  work.write("walk.toml", scene);
+  const auto make = [&](const char* folder, const char* seconds, std::vector<std::string> more = {}) {
+    std::vector<std::string> command{"animate", "walk.toml", "-o", folder, "--seconds", seconds, "-q"};
+    command.insert(command.end(), more.begin(), more.end());
+    const Outcome outcome = work.run(command);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  make("film", "0.4");
+  make("film", "0.6");
+  make("fresh", "0.6");
+  const auto files = files_of(work, "fresh");
+  EXPECT_EQ(files_of(work, "film"), files);
+  EXPECT_NE(work.read("fresh/t_0003/report.json").find("kept_light"), std::string::npos);
+  for (const char* folder : {"film/t_0002", "film/t_0003"}) std::filesystem::remove_all(work.path(folder));
+  make("film", "0.6");
+  EXPECT_EQ(files_of(work, "film"), files);
+
+  // The display shows the second of two rolling frames at the next time, too.
+  make("rolling", "0.4", {"--frames", "2", "--rolling", "true"});
+  EXPECT_EQ(work.read("rolling/t_0002/hologram.png"), work.read("rolling/t_0001/hologram_2.png"));
+  EXPECT_NE(work.read("rolling/t_0002/hologram_2.png"), work.read("rolling/t_0001/hologram.png"));
+}
+
 // 5 mm/s · 50 ms = 0.25 mm. At 0.2 s the hologram is that for the eye at 0.15 s, and the view is that of the eye at 0.2 s.
 TEST(Animate, TheHologramIsForTheMeasuredEyeAndTheViewIsThatOfTheEye) {
   const Workplace work;

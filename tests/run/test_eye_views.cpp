@@ -114,6 +114,48 @@ TEST(MovedToEye, WhatIsSeenThroughThePanelMovesWithTheEye) {
   }
 }
 
+// The same of a real image 50 mm before the panel, between it and the eye: Δ = 0.7 mm·50/(100 − 50) = 0.7 mm to the right, 88 pixels
+// (87.5, rounded away from 0).
+TEST(MovedToEye, WhatFloatsBeforeThePanelMovesTheOtherWay) {
+  const Vec3 from{0.2e-3, 0, 0.1}, to{-0.5e-3, 0, 0.1};
+  Job job = job_for_eye(to);
+  job.encode.image = ImageSide::real_image;
+  Hologram stepped = lens_to(job.slm, from);
+  for (int j = 0; j < 192; ++j)
+    for (int i = 128; i < 256; ++i) stepped.level(j, i) = uint16_t((stepped.level(j, i) + 128) % 256);
+  const Hologram moved = moved_to_eye({stepped}, {from}, job).front(), lens = lens_to(job.slm, to);
+  for (const int i : {20, 215, 216, 250}) {
+    const int turned = ((moved.level(90, i) - lens.level(90, i)) % 256 + 256) % 256;
+    EXPECT_NEAR(i < 216 ? (turned + 128) % 256 : turned, 128, 1) << i;
+  }
+  job.camera.distances = {0.1};  // the image is where the eye is
+  EXPECT_EQ(moved_to_eye({stepped}, {from}, job).front().level.values, stepped.level.values);
+}
+
+// Of rolling frames a display goes on showing all but the first, whose place the new one takes. Joint holograms and panels of a measured
+// response have no phase of one colour.
+TEST(MovedToEye, FramesThatAreShownOnStay) {
+  const Vec3 from{0.2e-3, 0.1e-3, 0.1}, to{-0.5e-3, 0.4e-3, 0.1};
+  Job job = job_for_eye(to);
+  std::vector<Hologram> last{lens_to(job.slm, from), lens_to(job.slm, from)};
+  last[1].label.frame = 1;
+  const auto is_moved = [&](size_t frame) {
+    return moved_to_eye(last, {from}, job)[frame].level.values != last[frame].level.values;
+  };
+  EXPECT_TRUE(is_moved(0));
+  EXPECT_TRUE(is_moved(1));
+  job.encode.is_rolling = true;
+  EXPECT_TRUE(is_moved(0));
+  EXPECT_FALSE(is_moved(1));
+  job.encode.is_rolling = false;
+  last[1].colours.resize(2);
+  EXPECT_TRUE(is_moved(0));
+  EXPECT_FALSE(is_moved(1));
+  for (int level = 0; level < 256; ++level) job.slm.effects.calibration.push_back({level * level / 1e4, 1});
+  job.encode.effects = {"calibration"};
+  EXPECT_FALSE(is_moved(0));
+}
+
 // The light of a box of 0.6 mm ends half a pupil of 1 mm beside it, at 0.8 mm; a pupil outside has its middle at 1.3 mm.
 TEST(ViewpointsOf, HaveOneBesideTheEyeboxOfEachEye) {
   Job job;

@@ -418,15 +418,17 @@ TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
 // The light of places around an eye reaches 0.1 mm + 0.5/12 mm + 0.25 mm = 0.392 mm to each side. Two such squares 0.5 mm apart, seen
 // one by one, are as much as 2·0.783² mm²; both in one box are (0.783 + 0.5)·0.783 mm².
 TEST(EyeWalk, IsTheBoxOfItsPlacesIfThatHasNotMoreLight) {
-  const EncodeParams params = squares_for_an_eye().encode;
-  const auto walk = walk_through({{0, 1e-4, 0.02}, {5e-4, 0, 0.02}}, params);
+  Job job = squares_for_an_eye();
+  const auto walk = walk_through({{0, 1e-4, 0.02}, {5e-4, 0, 0.02}}, job);
   ASSERT_TRUE(walk);
   EXPECT_EQ(walk->low, (Vec3{0, 0, 0.02}));
   EXPECT_EQ(walk->high, (Vec3{5e-4, 1e-4, 0.02}));
-  EXPECT_FALSE(walk_through({{0, 0, 0.02}, {8e-4, 0, 0.02}}, params));  // 1.583 mm > 2·0.783 mm
-  EXPECT_TRUE(walk_through({{0, 0, 0.02}, {7.5e-4, 0, 0.02}}, params));
-  EXPECT_FALSE(walk_through({{0, 0, 0.02}, {1e-4, 0, 0.021}}, params)) << "in two planes";
-  EXPECT_FALSE(walk_through({}, params));
+  EXPECT_FALSE(walk_through({{0, 0, 0.02}, {8e-4, 0, 0.02}}, job));  // 1.583 mm > 2·0.783 mm
+  EXPECT_TRUE(walk_through({{0, 0, 0.02}, {7.5e-4, 0, 0.02}}, job));
+  EXPECT_FALSE(walk_through({{0, 0, 0.02}, {1e-4, 0, 0.021}}, job)) << "in two planes";
+  EXPECT_FALSE(walk_through({}, job));
+  job.last_key = 1;
+  EXPECT_FALSE(walk_through({{0, 1e-4, 0.02}, {5e-4, 0, 0.02}}, job)) << "of a scene that moves";
 }
 
 // Light of a walk serves each of its places, and that of a place only this one. Of a wall that sends the same light everywhere the views
@@ -471,6 +473,8 @@ TEST(EyeWalk, ItsLightIsThatOfEachPlace) {
   const SceneTargets still = trace_targets(at(0));
   EXPECT_EQ(trace_targets(at(0), {}, {still.eyes, {}}).eyes, still.eyes) << "an eye that rests";
   EXPECT_NE(trace_targets(at(1e-5), {}, {still.eyes, {}}).eyes, still.eyes);
+  EXPECT_NE(trace_targets(at(1e-5), {}, {still.eyes, walk}).eyes, still.eyes)
+      << "light of one place is not that of a walk";
 }
 
 TEST(Eyes, OfSeveralEachGetsItsPicture) {

@@ -77,9 +77,19 @@ std::string_view read_word(std::string_view& rest) {
   return word;
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// A comma between two digits may be meant as a decimal point, "632,8 nm", or between two numbers.
+void refuse_decimal_comma(std::string_view text) {
+  for (size_t i = 1; i + 1 < text.size(); ++i)
+    if (text[i] == ',' && is_digit(text[i - 1]) && is_digit(text[i + 1]))
+      fail("expected a point in a decimal number, or a space after the comma between two numbers, got \"{}\"", text);
+}
+
 template <size_t N>
 std::vector<double> parse(std::string_view text, const std::array<Unit, N>& units, const char* kind,
                           const char* example) {
+  refuse_decimal_comma(text);
   std::vector<double> values;
   std::vector<std::string_view> digits;
   size_t first_without_unit = 0;

@@ -77,8 +77,9 @@ ViewTargets view_from(const Vec3& eye, const LightField& light, const Job& job, 
 
 }  // namespace
 
-std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const EncodeParams& params) {
-  if (places.empty()) return {};
+std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const Job& job) {
+  if (places.empty() || job.last_key) return {};
+  const EncodeParams& params = job.encode;
   EyeWalk walk{places.front(), places.front()};
   for (const Vec3& place : places) {
     walk.low = {std::min(walk.low.x, place.x), std::min(walk.low.y, place.y), std::min(walk.low.z, place.z)};
@@ -266,13 +267,18 @@ std::vector<Hologram> moved_to_eye(std::vector<Hologram> last, const std::vector
   if (!aims_at_eyes(job) || eyes.size() != 1 || eyes_before.size() != 1 || eyes_before == eyes) return last;
   const Vec3 &from = eyes_before.front(), &to = eyes.front();
   const Grid& panel = job.slm.grid;
-  const double distance = job.camera.distances.front(), part = distance / (from.z + distance) / panel.pitch;
+  const double first = job.camera.distances.front();
+  const double distance = job.encode.image == ImageSide::real_image ? -first : first;
+  if (std::abs(from.z + distance) < panel.pitch) return last;  // the eye is in the image
+  const double part = distance / (from.z + distance) / panel.pitch;
   const int right = int(std::lround((to.x - from.x) * part)), up = int(std::lround((to.y - from.y) * part));
+  const Slm known = known_panel(job.slm, job.encode);
+  if (!known.effects.calibration.empty()) return last;
   for (Hologram& hologram : last) {
-    const double turn =
-        DrivenPanel(known_panel(job.slm, job.encode), hologram, hologram.wavelength, 1).levels_per_cycle();
-    if (hologram.modulation != Modulation::phase || turn == 0 || hologram.level.nx != panel.nx ||
-        hologram.level.ny != panel.ny)
+    const bool stays_shown = job.encode.is_rolling && hologram.label.frame > 0;
+    const double turn = DrivenPanel(known, hologram, hologram.wavelength, 1).levels_per_cycle();
+    if (stays_shown || hologram.modulation != Modulation::phase || turn == 0 || !hologram.colours.empty() ||
+        hologram.level.nx != panel.nx || hologram.level.ny != panel.ny)
       continue;
     const Hologram before = hologram;
     const auto converging = [&](const Vec3& eye, int column, int row) {

@@ -24,9 +24,9 @@ struct EyeWalk {
   Vec3 low, high;  ///< corners [m]; of one z
 };
 
-/// The walk through places of an eye, if it is in one plane, and not more light is seen from all of it than from the eyeboxes at each
-/// place, one by one.
-std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const EncodeParams& params);
+/// The walk of the eye of a film through its places at all times; none if the scene itself has keys over time, if the places are
+/// not in one plane, or if their box is larger than all eyeboxes at them together: light is then traced at each time.
+std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const Job& job);
 
 /// The light for each eye of a job: that of the places which pupils cover when their middles are in the eyebox.
 ///
@@ -74,9 +74,10 @@ ViewTargets view_of_eye(const Vec3& eye, const LightField& light, const Job& job
 ///
 ///     φ'(x) = φ(x − Δ) − c(x − Δ, e) + c(x, e'),   c(x, e) = 2π·(e_z − |e − x|)/λ,   Δ = (e' − e)·d/(e_z + d)
 ///
-/// d is the first distance of the camera; what is at other depths moves by parallax. Δ is rounded to whole pixels, and light that no
-/// pixel had is that of the nearest one. Panels that modulate not only the phase, or not all of it, and several eyes keep their
-/// holograms.
+/// d is the first distance of the camera, below 0 for a real image; what is at other depths moves by parallax. Δ is rounded to whole
+/// pixels, and light that no pixel had is that of the nearest one. Rolling frames but the one that is made again stay as the display
+/// shows them. So do holograms of panels that modulate not only the phase, or not all of it, or whose response was measured;
+/// holograms for several colours; and all with several eyes.
 std::vector<Hologram> moved_to_eye(std::vector<Hologram> last, const std::vector<Vec3>& eyes_before, const Job& job);
 
 /// Where the light of holograms goes about an eye: fractions of the panel's light, in the mean of the frames.

@@ -243,13 +243,13 @@ const std::vector<LightField>& light_of(const KeptEyeLight& kept, double wavelen
 }
 
 // Whether the light for eyes of another time is that of this one, too: of a walk, if it reaches as far; else of the same places.
-bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause, bool is_walk) {
+bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause) {
   if (kept.cause != cause) return false;
   const std::vector<Vec3> eyes = eyes_of(job.encode);
   const std::vector<LightField>& lights = kept.lights.front().lights;
   for (size_t e = 0; e < eyes.size(); ++e)
-    if (is_walk ? !has_light_for(lights[e], eyes[e], job.encode)
-                : lights[e].lens.centre_x != eyes[e].x || lights[e].lens.centre_y != eyes[e].y)
+    if (kept.is_of_walk ? !has_light_for(lights[e], eyes[e], job.encode)
+                        : lights[e].lens.centre_x != eyes[e].x || lights[e].lens.centre_y != eyes[e].y)
       return false;
   return true;
 }
@@ -261,8 +261,9 @@ std::shared_ptr<const KeptEyeLight> light_for_eyes(const Job& job, uint64_t caus
   kept->cause = cause;
   kept->distances = distances;
   const double middle = distances[distances.size() / 2];
-  const bool is_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
-  const std::vector<EyeLight> eyes = trace_eye_light(job, middle, params, observer, is_walk ? walk : std::nullopt);
+  kept->is_of_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
+  const std::vector<EyeLight> eyes =
+      trace_eye_light(job, middle, params, observer, kept->is_of_walk ? walk : std::nullopt);
   for (const double wavelength : job.wavelengths) {
     kept->lights.push_back({wavelength, {}});
     for (const EyeLight& eye : eyes)
@@ -324,7 +325,7 @@ Job with_eyes(Job job) {
 SceneTargets trace_targets(const Job& job, const Observer& observer, const TargetReuse& reuse) {
   SceneTargets targets;
   const uint64_t cause = aims_at_eyes(job) ? cause_of_eye_light(job) : 0;
-  const bool is_kept = cause != 0 && reuse.earlier && has_light_for(*reuse.earlier, job, cause, reuse.walk.has_value());
+  const bool is_kept = cause != 0 && reuse.earlier && has_light_for(*reuse.earlier, job, cause);
   targets.distances = is_kept ? reuse.earlier->distances : target_distances_of(job);
   warn_of_sparse_planes(job, observer);
   if (!is_kept) warn_of_focus_beside(job, observer);

@@ -71,6 +71,7 @@ Job with_eyes(Job job);
 /// The light of a scene for eyes, in each wavelength and with the blur of their pupils, which other times of a film take again.
 struct KeptEyeLight {
   uint64_t cause = 0;             ///< fingerprint of all that it depends on beside the places of the eyes
+  bool is_of_walk = false;        ///< of all places of an eye that walks, else of one
   std::vector<double> distances;  ///< of the target planes [m]
   struct OfWavelength {
     double wavelength;

@@ -126,10 +126,17 @@ void add_folder(const std::string& folder, const ContentsParams& params, Content
     if (leads_out(*file)) file->clear();
   add_holograms(run.holograms, params, contents);
   if (run.holograms.empty() && !run.field.empty()) add_fields(run.field, params, contents);
-  if (run.holograms.empty() && contents.items.empty() && contents.problems.empty())
+  if (run.holograms.empty() && contents.items.empty() && contents.problems.empty()) {
+    std::string runs;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error))
+      if (is_file((entry.path() / run_hologram).string())) runs += (runs.empty() ? "" : ", ") + entry.path().string();
     contents.problems.push_back(
-        "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
-        "holotrace run has written them");
+        runs.empty()
+            ? "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
+              "holotrace run has written them"
+            : fmt::format("this folder holds runs, whose holograms holotrace view shows one by one: {}", runs));
+  }
   contents.points = points_in_space(load_series_of_sources(run.points, contents.problems));
   for (const std::string& view : run.views)
     if (const auto render = render_of_view(view); render && !leads_out(render->path) && !leads_out(render->radiance))

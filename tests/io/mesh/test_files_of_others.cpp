@@ -313,10 +313,17 @@ TEST(FilesOfOthers, PointsOfAllTypesOfColoursHaveTheSameAmplitude) {
   EXPECT_EQ(splats[1].amplitude, 1);  // clipped
   EXPECT_EQ(splats[2].amplitude, 0);
   std::vector<std::string> warnings;
-  load_points(ply("property char red\nproperty char green\nproperty char blue\n", "", {"0 0 0 -1 0 0"}, {}),
+  load_points(ply("property char red\nproperty char green\nproperty char blue\n", "",
+                  {"0 0 0 -1 0 0", "0 0 0 0 0 0", "0 0 0 9 9 9"}, {}),
               PointChannel::luminance, &warnings);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("some of its colours are not from 0 to 127 (one is -1); they are clipped"),
+            std::string::npos);
+  const auto no_colours =
+      load_points(ply("property char red\nproperty char green\nproperty char blue\n", "", {"0 0 0 -1 0 0"}, {}),
+                  PointChannel::luminance, &warnings);
+  EXPECT_EQ(no_colours[0].amplitude, 1);
+  EXPECT_NE(warnings[1].find("most of its colours are not from 0 to 127 (one is -1); it is shown grey"),
             std::string::npos);
 }
 

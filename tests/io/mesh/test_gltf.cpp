@@ -388,6 +388,29 @@ TEST(Gltf, InstancesAreCopiesOfTheirNode) {
   EXPECT_NE(error_of([&] { load(triangle); }).find("expected a glTF model, but it is damaged"), std::string::npos);
 }
 
+TEST(Gltf, AMetalDoesNotTransmit) {
+  GltfTriangle triangle;
+  triangle.materials =
+      R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}])";  // metallicFactor: 1
+  const auto metal = std::get<PrincipledMaterial>(load(triangle).materials[0].surface);
+  EXPECT_EQ(metal.metalness.value, 1);
+}
+
+// Files have the core's model, too, for programs that do not know the extension.
+TEST(Gltf, SpecularGlossinessHasItsOwnAlphaAndRoughness) {
+  GltfTriangle triangle;
+  triangle.materials = R"([{"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.25],
+    "metallicRoughnessTexture": {"index": 0}}, "extensions": {"KHR_materials_pbrSpecularGlossiness":
+    {"diffuseFactor": [1, 1, 1, 0.75], "glossinessFactor": 0.25}}}])";
+  triangle.more = R"("textures": [{"source": 0}], "images": [{"uri": "not_read.png"}], )";
+  const LoadedModel model = load(triangle);
+  EXPECT_EQ(model.materials[0].opacity, 0.75);
+  const auto surface = std::get<PrincipledMaterial>(model.materials[0].surface);
+  EXPECT_EQ(surface.roughness.value, 0.75);
+  EXPECT_FALSE(surface.roughness.texture.image);
+  EXPECT_TRUE(model.warnings.empty()) << model.warnings.front();
+}
+
 // A model with a triangle, and the lights and cameras of the text below it: node 1 is at (1, 2, 3), and a quarter turn about y
 // turns its −z to −x.
 GltfTriangle lit_triangle(const std::string& of_node, const std::string& lights, const std::string& cameras = "[]") {

@@ -173,6 +173,10 @@ TEST(SlmFile, AnUnknownOneIsRefusedWithTheNearest) {
             "unknown SLM \"plutto\"; did you mean \"pluto\"? \"holotrace info --slm\" lists all");
   EXPECT_EQ(error_of([] { slm_preset("x13138"); }),
             "unknown SLM \"x13138\"; did you mean \"hamamatsu-x13138\"? \"holotrace info --slm\" lists all");
+  EXPECT_EQ(error_of([] { slm_preset("PLUTO"); }),
+            "unknown SLM \"PLUTO\"; did you mean \"pluto\"? \"holotrace info --slm\" lists all");
+  const std::string of_maker = error_of([] { slm_preset("Hamamatsu"); });
+  EXPECT_TRUE(of_maker.starts_with("unknown SLM \"Hamamatsu\"; did you mean \"hamamatsu-x")) << of_maker;
   EXPECT_EQ(error_of([] { slm_preset("xyzzyx"); }),
             "unknown SLM \"xyzzyx\"; \"holotrace info --slm\" lists those that are known");
   EXPECT_EQ(error_of([] { slm_preset("../panels/pluto"); }),

@@ -38,13 +38,17 @@ class Materials {
         "{}: expected emissive factors of 0 or more in material \"{}\"", gltf_.path, name_);
     material.normal_map = texture_of_mesh(source, "normalTexture", ImageContent::data);
     material.normal_scale = member(source, "normalTexture").value("scale", 1.0);
-    read_opacity(source, core, material);
+    const Json& glossy = member(extensions, "KHR_materials_pbrSpecularGlossiness");
+    const bool is_glossy = extensions.contains("KHR_materials_pbrSpecularGlossiness");
+    if (is_glossy)  // the core's model is beside it for programs without the extension
+      read_opacity(source, glossy, "diffuseFactor", "diffuseTexture", material);
+    else
+      read_opacity(source, core, "baseColorFactor", "baseColorTexture", material);
 
-    PrincipledMaterial layers = base(core);
+    PrincipledMaterial layers = is_glossy ? specular_glossiness(glossy) : base(core);
     const Texture base_texture = layers.base_color.texture.image;
-    const PlacedTexture metallic = texture(core, "metallicRoughnessTexture", ImageContent::data);
-    if (extensions.contains("KHR_materials_pbrSpecularGlossiness"))
-      layers = specular_glossiness(extensions["KHR_materials_pbrSpecularGlossiness"]);
+    const PlacedTexture metallic =
+        is_glossy ? PlacedTexture() : texture(core, "metallicRoughnessTexture", ImageContent::data);
     read_layers(extensions, layers, metallic.image != nullptr);
     if (extensions.contains("KHR_materials_unlit")) {
       material.surface = DiffuseMaterial{{0, 0, 0}};
@@ -102,8 +106,10 @@ class Materials {
     if (!found.image) return {};
     const TextureCoordinates at = coordinates_of(info);
     if (!result_.add_texture(at)) {
-      if (!place(at, result_.coordinates, found))
+      if (at.set != result_.coordinates.set)
         warn("coordinates", "has textures at different sets of coordinates; those of the first are used for all");
+      else if (!place(at, result_.coordinates, found))
+        warn("transform", "has a texture that is scaled to 0; the others have its coordinates, too");
       is_layered_ = true;
     }
     if (source.contains("sampler")) {
@@ -128,7 +134,7 @@ class Materials {
     return found.image;
   }
 
-  // Where a texture is read, from the coordinates of another one; false if both are not of one set.
+  // Where a texture is read, from the coordinates of another one; false if those are scaled to 0.
   static bool place(const TextureCoordinates& at, const TextureCoordinates& of_mesh, PlacedTexture& texture) {
     const auto affine = [](const TextureCoordinates& t) {
       const Vec2 o = transform_coordinates(t, {0, 0}), u = transform_coordinates(t, {1, 0}),
@@ -137,7 +143,7 @@ class Materials {
     };
     const PlacedTexture to = affine(at), from = affine(of_mesh);
     const double size = from.uu * from.vv - from.uv * from.vu;
-    if (at.set != of_mesh.set || size == 0) return false;
+    if (size == 0) return false;
     texture.uu = (to.uu * from.vv - to.uv * from.vu) / size;
     texture.uv = (to.uv * from.uu - to.uu * from.uv) / size;
     texture.vu = (to.vu * from.vv - to.vv * from.vu) / size;
@@ -294,7 +300,11 @@ class Materials {
   void read_transmission(const Json& extensions, PrincipledMaterial& surface, bool has_roughness_texture) {
     const Json& transmission = member(extensions, "KHR_materials_transmission");
     const Json& volume = member(extensions, "KHR_materials_volume");
-    if (!(transmission.value("transmissionFactor", 0.0) > 0)) return;
+    if (!(transmission.value("transmissionFactor", 0.0) > 0)) {
+      if (surface.diffuse_transmission.value > 0 && volume.value("thicknessFactor", 0.0) > 0)
+        warn("volume of a diffuse material", "has a volume and transmits light diffusely; it is shown as a thin sheet");
+      return;
+    }
     surface.transmission = number(transmission, "transmissionFactor", 0, "transmissionTexture", 0);
     surface.is_thin = !(volume.value("thicknessFactor", 0.0) > 0);
     const Vec3 tint = colour(volume, "attenuationColor");
@@ -303,14 +313,18 @@ class Materials {
       surface.attenuation_color = tint;
       surface.attenuation_distance = distance;
     }
-    const bool is_plain = surface.transmission.value == 1 && !surface.transmission.texture.image &&
-                          surface.base_color.value == Vec3{1, 1, 1} && !surface.base_color.texture.image &&
-                          !has_roughness_texture && surface.attenuation_color == Vec3{1, 1, 1} &&
-                          !(surface.is_thin && surface.roughness.value > 0);
+    const bool is_plain =
+        surface.metalness.value == 0 && surface.transmission.value == 1 && !surface.transmission.texture.image &&
+        surface.base_color.value == Vec3{1, 1, 1} && !surface.base_color.texture.image && !has_roughness_texture &&
+        surface.attenuation_color == Vec3{1, 1, 1} && !(surface.is_thin && surface.roughness.value > 0);
     const bool has_only_index = extensions.size() == extensions.count("KHR_materials_ior") +
                                                          extensions.count("KHR_materials_dispersion") +
                                                          extensions.count("KHR_materials_volume") + 1;
     is_layered_ = !(is_plain && has_only_index);
+    const bool has_specular = surface.specular.value != 1 || surface.specular.texture.image ||
+                              surface.specular_color.texture.image || !(surface.specular_color.value == Vec3{1, 1, 1});
+    if (!surface.is_thin && has_specular)
+      warn("specular of glass", "is solid glass with a factor for its reflection; it reflects as its index says");
     if (!surface.is_thin && surface.iridescence.value > 0)
       warn("film on glass", "is solid glass with a thin film; the film is shown on its opaque part only");
   }
@@ -327,12 +341,13 @@ class Materials {
     return result;
   }
 
-  // OPAQUE, MASK (with its cutoff) or BLEND: the alpha of the base colour.
-  void read_opacity(const Json& source, const Json& core, Material& material) {
+  // OPAQUE, MASK (with its cutoff) or BLEND: the alpha of the base colour, which has these keys in a model of the surface.
+  void read_opacity(const Json& source, const Json& model, const char* factor, const char* texture_key,
+                    Material& material) {
     const std::string mode = source.value("alphaMode", "OPAQUE");
     if (mode != "MASK" && mode != "BLEND") return;
-    if (core.contains("baseColorFactor")) material.opacity = clip(core["baseColorFactor"].at(3).get<double>());
-    const Texture alpha = texture_of_mesh(core, "baseColorTexture", ImageContent::alpha);
+    if (model.contains(factor)) material.opacity = clip(model[factor].at(3).get<double>());
+    const Texture alpha = texture_of_mesh(model, texture_key, ImageContent::alpha);
     if (alpha && is_alpha(*alpha)) material.opacity_texture = alpha;
     if (mode == "MASK") material.opacity_cutoff = std::max(clip(source.value("alphaCutoff", 0.5)), least_cutoff);
   }

@@ -68,13 +68,24 @@ StoredColours ply_colours(const PlyColumns& vertices, std::vector<std::string>& 
     colours.is_coded = type > 1 || colours.full > 1;
     break;
   }
+  const auto is_wrong = [&](const double value) { return !(value >= 0 && value <= colours.full); };
+  size_t wrong = 0;
+  double one = 0;
   for (const Vec3 v : colours.values)
     for (const double value : {v.x, v.y, v.z})
-      if (!(value >= 0 && value <= colours.full)) {
-        warnings.push_back(fmt::format("{}: some of its colours are not from 0 to {} (one is {}); they are clipped",
-                                       vertices.path, colours.full, value));
-        return colours;
+      if (is_wrong(value)) {
+        one = value;
+        ++wrong;
+        break;
       }
+  if (2 * wrong > colours.values.size()) {
+    warnings.push_back(fmt::format("{}: most of its colours are not from 0 to {} (one is {}); it is shown grey",
+                                   vertices.path, colours.full, one));
+    colours.values.clear();
+  } else if (wrong > 0) {
+    warnings.push_back(fmt::format("{}: some of its colours are not from 0 to {} (one is {}); they are clipped",
+                                   vertices.path, colours.full, one));
+  }
   return colours;
 }
 

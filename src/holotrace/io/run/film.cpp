@@ -133,7 +133,8 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
   std::optional<EarlierRun> before;  // of the last time that was computed
   Job first;                         // without its scene
   std::vector<Vec3> eyes_before;     // of the holograms of the last time
-  std::string mark;                  // fingerprint of all that the results of a time depend on
+  // Fingerprint of all that the results of a time depend on.
+  std::string mark = plan.walk ? fmt::format("{:016x}", fingerprint_of(plan.walk->low, plan.walk->high)) : "";
   std::vector<std::string> notes;
   if (range.begin > 0 && range.begin < range.end) first = choose_missing(plan.job_at(plan.times[0]));
   for (size_t i = range.begin; i < range.end; ++i) {

@@ -77,7 +77,8 @@ std::vector<std::string> film_paths(const std::string& folder, FilmFormat format
 /// **From the last.** With plan.from_last the holograms of a time depend on those of all times before, whose fingerprints are part
 /// of its own. Where nothing moves the iterations go on, too.
 ///
-/// The light of a resting scene is traced once for all places of the eye (plan.walk).
+/// The light of a resting scene is traced once for all places of the eye (plan.walk), on which all times then depend: a longer film
+/// whose eye walks farther is made anew.
 ///
 /// **What does not change.** If nothing that the results depend on differs from the time before, they are saved again. Holograms of
 /// waves are taken again if only what the camera does differs (EarlierRun).

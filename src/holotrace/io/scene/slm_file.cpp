@@ -150,6 +150,31 @@ std::vector<std::string> user_panel_folders() {
   return folders;
 }
 
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words(1);
+  for (const char c : text)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      words.back() += char(std::tolower(static_cast<unsigned char>(c)));
+    else if (!words.back().empty())
+      words.emplace_back();
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+// The panels whose names or files, which name the maker, have all the words of a name such as "HOLOEYE pluto".
+std::vector<std::string> panels_with_words_of(const std::string& name, const std::vector<KnownPanel>& known) {
+  const std::vector<std::string> wanted = words_of(name);
+  std::vector<std::string> found;
+  for (const KnownPanel& panel : known) {
+    const std::vector<std::string> own = words_of(panel.name + " " + read_text(panel.file, most_text));
+    const auto has = [&](const std::string& word) {
+      return std::any_of(own.begin(), own.end(), [&](const std::string& one) { return one.starts_with(word); });
+    };
+    if (!wanted.empty() && std::all_of(wanted.begin(), wanted.end(), has)) found.push_back(panel.name);
+  }
+  return found;
+}
+
 // The panel of that name. A type without its maker, "x13138", suggests the panel whose name ends with it.
 KnownPanel panel_named(const std::string& name) {
   const std::vector<KnownPanel> known = known_panels();
@@ -160,7 +185,10 @@ KnownPanel panel_named(const std::string& name) {
   for (const KnownPanel& panel : known) names.push_back(panel.name);
   const auto has_type = [&](const std::string& one) { return !name.empty() && one.ends_with("-" + name); };
   const auto of_type = std::find_if(names.begin(), names.end(), has_type);
-  const std::string nearest = of_type != names.end() ? *of_type : nearest_name(name, names);
+  std::string nearest = of_type != names.end() ? *of_type : nearest_name(name, names);
+  if (const auto likely = panels_with_words_of(name, known); nearest.empty() && !likely.empty())
+    nearest = fmt::format(
+        "{}", fmt::join(likely.begin(), likely.begin() + std::min<ptrdiff_t>(4, std::ssize(likely)), "\" or \""));
   if (nearest.empty()) fail("unknown SLM \"{}\"; \"holotrace info --slm\" lists those that are known", name);
   fail("unknown SLM \"{}\"; did you mean \"{}\"? \"holotrace info --slm\" lists all", name, nearest);
 }

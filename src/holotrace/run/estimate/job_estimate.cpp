@@ -20,6 +20,7 @@
 #include "holotrace/run/choose.h"
 #include "holotrace/run/estimate/display_probe.h"
 #include "holotrace/run/estimate/field_probes.h"
+#include "holotrace/run/estimate/small_panel.h"
 #include "holotrace/run/pipeline.h"
 #include "holotrace/run/renders.h"
 #include "holotrace/run/scene_targets.h"
@@ -109,8 +110,29 @@ ProbeResult probe_other_sum(const Job& job, const SceneLight& light, double part
   return {seconds, seconds * double(job.slm.grid.pixels()) / double(panel.pixels())};
 }
 
-// Traces the focal stack with fewer paths, and with one: what one path takes too is done once.
-ProbeResult probe_stack(const Job& job, double part) {
+// The same panel and scene with fewer, larger pixels.
+Job on_coarse_panel(const Job& job, double part) {
+  Job coarse = job;
+  const Grid& fine = job.slm.grid;
+  Grid& grid = coarse.slm.grid;
+  grid.nx = std::max(2, int(std::lround(fine.nx * std::sqrt(part))));
+  grid.ny = std::max(2, int(std::lround(fine.ny * std::sqrt(part))));
+  grid.pitch = fine.pitch * fine.nx / grid.nx;
+  coarse.slm.effects = {};
+  coarse.encode.target_distances = target_distances_of(job);  // as many planes
+  return coarse;
+}
+
+// Traces the focal stack with fewer pixels.
+ProbeResult probe_stack(const Job& job, double part, PartPredictions& predictions) {
+  const Job some = part < 1 ? on_coarse_panel(job, part) : job;
+  const double seconds = median_seconds(1, [&] { trace_targets(some); });
+  const double real_part = double(some.slm.grid.pixels()) / double(job.slm.grid.pixels());
+  return {seconds, predictions.add({real_part, seconds / real_part})};
+}
+
+// Traces the light of eyes, whose pixels are not the panel's, with fewer paths, and with one: what one path takes too is done once.
+ProbeResult probe_eye_light(const Job& job, double part) {
   const auto seconds_of = [&](int paths) {
     Job some = job;
     some.render.paths = paths;
@@ -132,7 +154,11 @@ void estimate_scene_targets(const Job& job, JobEstimate& e) {
   DisplayProbe display(job);
   display.holograms = e.holograms();
   std::vector<Probe> probes(2);
-  probes[0] = {[&](double part) { return probe_stack(job, part); }, 1.0 / job.render.paths};
+  PartPredictions of_stack;
+  if (aims_at_eyes(job))
+    probes[0] = {[&](double part) { return probe_eye_light(job, part); }, 1.0 / job.render.paths};
+  else
+    probes[0] = {[&](double part) { return probe_stack(job, part, of_stack); }, smallest_part(job.slm.grid)};
   probes[1] = {[&](double part) { return display.run(part); }, display.first_part()};
   refine_probes(probes, share_of_job, long_enough);
   e.why_no_simulation = display.why_none;

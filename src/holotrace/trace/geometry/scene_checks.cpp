@@ -98,8 +98,13 @@ void check_surface(const ConductorMaterial& material, size_t index) {
   require_share(material.roughness, "roughness", index);
 }
 
+constexpr double most_glass_index = 1e4;  // it reflects 0.9996 of the light
+
 void check_glass_index(const RefractiveIndex& glass, size_t index) {
   check_index(glass, index);
+  for (const auto& sample : glass.samples)
+    require(sample.n <= most_glass_index, "expected an index of at most {:g} in material {}, got {:g}",
+            most_glass_index, index, sample.n);
   for (const auto& [wavelength, n, k] : glass.samples)
     require(k == 0, "expected glass that does not absorb (k = 0) in material {}, got {} + {}i at {} m", index, n, k,
             wavelength);
@@ -140,16 +145,26 @@ void check_surface(const PrincipledMaterial& material, size_t index) {
   require(is_light_value(material.specular_color.value),
           "expected a specular colour of 0 or more in material {}, got ({}, {}, {})", index,
           material.specular_color.value.x, material.specular_color.value.y, material.specular_color.value.z);
-  for_each_texture(material,
-                   [&](const PlacedTexture& texture) { check_texture(texture.image.get(), "a texture", index); });
+  for_each_texture(material, [&](const PlacedTexture& texture) {
+    check_texture(texture.image.get(), "a texture", index);
+    constexpr double most = 1e6;
+    for (const double number : {texture.uu, texture.uv, texture.u0, texture.vu, texture.vv, texture.v0})
+      require(std::abs(number) <= most,
+              "expected a texture in material {} that is scaled and moved by at most {:g}, got {:g}", index, most,
+              number);
+  });
   check_glass_index(material.index, index);
-  require(std::isfinite(material.clearcoat_index) && material.clearcoat_index >= 1,
-          "expected an index of 1 or more of the clear coat in material {}, got {}", index, material.clearcoat_index);
-  require(std::isfinite(material.iridescence_index) && material.iridescence_index >= 1,
-          "expected an index of 1 or more of the thin film in material {}, got {}", index, material.iridescence_index);
+  const auto is_layer = [](double n) { return n >= 1 && n <= most_glass_index; };
+  require(is_layer(material.clearcoat_index),
+          "expected an index from 1 to {:g} of the clear coat in material {}, got {:g}", most_glass_index, index,
+          material.clearcoat_index);
+  require(is_layer(material.iridescence_index),
+          "expected an index from 1 to {:g} of the thin film in material {}, got {:g}", most_glass_index, index,
+          material.iridescence_index);
+  constexpr double thickest_film = 1e-3;  // its colours change within 1/1000 of a wavelength
   for (const double thickness : {material.film_thickness, material.least_thickness})
-    require(std::isfinite(thickness) && thickness >= 0,
-            "expected a thickness of 0 m or more of the thin film in material {}, got {}", index, thickness);
+    require(thickness >= 0 && thickness <= thickest_film, "expected a thin film of 0 to {} in material {}, got {}",
+            format_length(thickest_film), index, format_length(thickness));
   require(material.attenuation_distance > 0, "expected an attenuation distance above 0 m in material {}, got {}", index,
           material.attenuation_distance);
   require(std::isfinite(material.anisotropy_rotation), "expected a finite rotation in material {}, got {} rad", index,
@@ -216,6 +231,11 @@ void check_light_and_materials(const Scene& scene) {
             "expected texture coordinates in mesh \"{}\", whose material has a texture, got none; add them or use a "
             "material without a texture",
             mesh.name);
+    constexpr double farthest = 1e9;  // in textures
+    for (const Vec2 uv : mesh.texture_coordinates)
+      require(std::abs(uv.x) <= farthest && std::abs(uv.y) <= farthest,
+              "expected texture coordinates of at most {:g} in mesh \"{}\", got ({:g}, {:g})", farthest, mesh.name,
+              uv.x, uv.y);
   }
   require(is_light_value(scene.background), "expected a background of 0 W/m²/sr or more, got ({}, {}, {})",
           scene.background.x, scene.background.y, scene.background.z);

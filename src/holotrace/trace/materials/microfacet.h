@@ -84,9 +84,8 @@ inline double pdf_visible_normal(Vec3 outgoing, Vec3 h, double alpha) {
 /// The mean of f(h) over the microfacet normals h visible to a viewer; f must be symmetric to its left and right. It is
 /// a midpoint rule. In the height it uses v = 1 − (1 − t)³, because the loss comes from the few steep microfacets at
 /// v near 1.
-template <int azimuths, class Function>
+template <int azimuths, int heights = 96, class Function>
 auto mean_over_visible_normals(Vec3 outgoing, double alpha, const Function& f) {
-  constexpr int heights = 96;
   decltype(f(outgoing)) sum{};
   for (int j = 0; j < heights; ++j) {
     const double s = 1 - (j + 0.5) / heights, measure = 3 * s * s / (azimuths * heights);

@@ -57,31 +57,18 @@ void add_film(const Principled& material, const SurfacePoint& point, const Lines
                       material.iridescence_index * thickness / lines.wavelengths[line]};
 }
 
-/// What the rest of a surface needs to know of a boundary with a film.
-struct FilmSummary {
-  Vec3 least_f0;  ///< BoundaryReflectance::least_f0
-  Vec3 mean;      ///< reflectance, 2∫F·μ dμ
-};
-
-FilmSummary summary_of(const BoundaryReflectance& boundary) {
-  FilmSummary summary{boundary.f0, {}};
-  for (const double cosine : {0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0}) {
-    const Vec3 reflected = boundary.at(cosine);
-    const double grazing = schlick_weight(cosine);
-    summary.least_f0 = for_lines([&](size_t line) {
-      const double f0 = (part(reflected, line) - part(boundary.f90, line) * grazing) / (1 - grazing);
-      return std::clamp(f0, part(summary.least_f0, line), part(boundary.f90, line));
-    });
-  }
-  // Three-point Gauss–Jacobi quadrature.
-  constexpr double nodes[] = {0.2123405382391529, 0.5905331355592653, 0.9114120404872961};
-  constexpr double weights[] = {0.1396539598029080, 0.4584822127191740, 0.4018638274779180};
-  for (int i = 0; i < 3; ++i) summary.mean += boundary.at(nodes[i]) * weights[i];
-  return summary;
+/// Mean over the hemisphere of a function of the cosine with fringes, 2∫f·μ dμ, by a midpoint rule in μ².
+template <class F>
+Vec3 hemisphere_mean_of_fringes(const F& f) {
+  constexpr int steps = 48;
+  Vec3 sum;
+  for (int k = 0; k < steps; ++k) sum += f(std::sqrt((k + 0.5) / steps));
+  return sum / steps;
 }
 
-/// The same, kept for the last boundaries that a thread has met: without textures a film is the same at every place.
-const FilmSummary& kept_summary(const BoundaryReflectance& b) {
+/// Mean reflectance of a boundary with a film, kept for the last ones that a thread has met: without textures a film is the same at
+/// every place.
+Vec3 kept_mean(const BoundaryReflectance& b) {
   std::array<double, 17> key{b.f0.x, b.f0.y, b.f0.z, b.f90.x, b.f90.y, b.f90.z, b.film, b.film_scale};
   for (size_t line = 0; line < 3; ++line) {
     key[8 + 3 * line] = b.films[line].film_index;
@@ -90,29 +77,23 @@ const FilmSummary& kept_summary(const BoundaryReflectance& b) {
   }
   struct Kept {
     std::array<double, 17> key{};
-    FilmSummary summary;
+    Vec3 mean;
   };
   thread_local std::array<Kept, 16> kept;
   uint64_t place = 0;
   for (const double number : key) place = mix(place + std::bit_cast<uint64_t>(number));
   Kept& here = kept[place % kept.size()];
-  if (here.key != key) here = {key, summary_of(b)};
-  return here.summary;
+  if (here.key != key) here = {key, hemisphere_mean_of_fringes([&](double cosine) { return b.at(cosine); })};
+  return here.mean;
 }
 
-/// Sets least_f0 and K.
+/// Sets K.
 void finish(BoundaryReflectance& boundary, double mean_loss) {
-  Vec3 mean = boundary.f0 + (boundary.f90 - boundary.f0) / 21;
-  boundary.least_f0 = boundary.f0;
-  if (boundary.film > 0) {
-    const FilmSummary& summary = kept_summary(boundary);
-    boundary.least_f0 = summary.least_f0;
-    mean = summary.mean;
-  }
+  const Vec3 mean = boundary.film > 0 ? kept_mean(boundary) : boundary.f0 + (boundary.f90 - boundary.f0) / 21;
   boundary.multiple = for_lines([&](size_t line) { return multiple_reflection(part(mean, line), mean_loss); });
 }
 
-/// The direction along which brushed grooves lie wide: α.x is along it.
+/// The tangent of a brushed surface, across its grooves: the larger α.x is along it.
 Vec3 tangent_of(const Principled& material, const SurfacePoint& point) {
   const Vec3 front = point.is_front ? point.normal : -point.normal;
   const auto across = [&](Vec3 v) { return v - front * dot(front, v); };
@@ -184,7 +165,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   const double alpha = roughness * roughness, strength = number_at(material.anisotropy, point);
   b.facets.alpha = {alpha, alpha};
   if (strength > 0) {
-    constexpr double least = 1e-3;  // across the grooves
+    constexpr double least = 1e-3;  // along the grooves
     b.facets.alpha = {std::fmax(alpha + (1 - alpha) * strength * strength, least), std::fmax(alpha, least)};
     b.tangent = tangent_of(material, point);
   }
@@ -218,7 +199,9 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
     b.sent_on =
         lines.from_rgb(share(colour_at(material.diffuse_transmission_color, point))) * (below * (1 - clear) * sent);
   if (max_component(b.reflected + b.sent_on) > 0) {
-    const Vec3 mean = hemisphere_mean([&](double cosine) { return b.through_all(cosine); });
+    const auto through = [&](double cosine) { return b.through_all(cosine); };
+    const bool has_fringes = b.dielectric.film > 0 && b.is_base_smooth();
+    const Vec3 mean = has_fringes ? hemisphere_mean_of_fringes(through) : hemisphere_mean(through);
     const Vec3 per_mean = for_lines([&](size_t line) { return part(mean, line) > 0 ? 1 / part(mean, line) : 0; });
     b.diffuse = b.reflected * per_mean;
     b.diffuse_through = b.sent_on * per_mean;

@@ -21,20 +21,43 @@ struct BoundaryReflectance {
   double film = 0;                  ///< weight of the film
   double film_scale = 1;            ///< factor for the reflectance of the film
   std::array<ThinFilm, 3> films{};  ///< at the lines
-  Vec3 least_f0;                    ///< F₀ of the lowest Schlick's reflectance that is nowhere below this one
   Vec3 multiple;                    ///< K of rough microfacets (multiple_reflection)
+
+  Vec3 of_films(double cosine) const {
+    const auto reflected = [&](int line) { return film_scale * reflectance_film(cosine, films[size_t(line)]); };
+    return {reflected(0), reflected(1), reflected(2)};
+  }
 
   Vec3 at(double cosine) const {
     const Vec3 plain = f0 + (f90 - f0) * schlick_weight(cosine);
-    if (film == 0) return plain;
-    const auto of_film = [&](int line) { return film_scale * reflectance_film(cosine, films[size_t(line)]); };
-    return plain * (1 - film) + Vec3{of_film(0), of_film(1), of_film(2)} * film;
+    return film == 0 ? plain : plain * (1 - film) + of_films(cosine) * film;
   }
 
-  /// Albedo; with a film, a bound of it that is at most 1.
-  Vec3 albedo(const MicrofacetAlbedo::Value& of_facets, double mean_loss) const {
-    return least_f0 * (1 - of_facets.loss) + (f90 - least_f0) * of_facets.schlick +
-           multiple * (mean_loss * of_facets.loss);
+  /// The reflectance of the film in the mean of the microfacets that send light back to a viewer.
+  Vec3 of_film_facets(double cosine, double alpha) const {
+    if (alpha < smooth_alpha) return of_films(cosine);
+    struct Sum {
+      Vec3 reflected;
+      double seen = 0;
+      Sum& operator+=(const Sum& other) { return reflected += other.reflected, seen += other.seen, *this; }
+      Sum operator*(double s) const { return {reflected * s, seen * s}; }
+    };
+    const Vec3 o{std::sqrt(1 - cosine * cosine), 0, cosine};
+    const Sum sum = mean_over_visible_normals<4, 4>(o, alpha, [&](Vec3 h) {
+      const double c = std::fmin(1, dot(o, h));
+      const Vec3 i = h * (2 * c) - o;
+      const double seen = i.z > 0 ? smith_masking_shadowing(o, i, alpha) / smith_masking(o, alpha) : 0;
+      return Sum{of_films(c) * seen, seen};
+    });
+    return sum.seen > 0 ? sum.reflected / sum.seen : of_films(cosine);
+  }
+
+  /// Albedo of microfacets of roughness α.
+  Vec3 albedo(double cosine, double alpha, const MicrofacetAlbedo::Value& of_facets, double mean_loss) const {
+    const Vec3 plain = f0 * (1 - of_facets.loss) + (f90 - f0) * of_facets.schlick;
+    const Vec3 again = multiple * (mean_loss * of_facets.loss);
+    if (film == 0) return plain + again;
+    return plain * (1 - film) + of_film_facets(cosine, alpha) * (film * (1 - of_facets.loss)) + again;
   }
 };
 
@@ -53,8 +76,10 @@ struct BoundaryReflectance {
 ///   sheen are on its outside. A thin sheet transmits what its boundary does not reflect straight on, spread as a rough
 ///   reflection is.
 ///
-/// It is reciprocal. Unless it is brushed, it never reflects more than it receives; a white one without layers reflects everything, up to the
-/// tables' errors. Under a coat or sheen, a rough metal loses up to the difference of the two factors in min().
+/// It is reciprocal. Unless it is brushed, it never reflects more than it receives, and a white one without layers reflects everything, up to
+/// the errors of tables and, with a film on a rough base, of 16 microfacets. Lost are: under a coat or sheen, what the
+/// two factors in min() differ by, of a rough metal and of light that leaves a solid; of a brushed metal up to a quarter.
+/// Emission is on top of all layers.
 ///
 /// As lobes: diffuse and sheen are D, rough coat, base and glass are G, smooth ones S.
 struct PrincipledBsdf {
@@ -90,6 +115,9 @@ struct PrincipledBsdf {
   MicrofacetAlbedo::Value base_albedo(double cosine) const {
     return is_base_smooth() ? MicrofacetAlbedo::Value{0, schlick_weight(cosine)} : facets.albedo.at(cosine);
   }
+  Vec3 albedo_of(const BoundaryReflectance& boundary, double cosine) const {
+    return boundary.albedo(cosine, 0.5 * (facets.alpha.x + facets.alpha.y), base_albedo(cosine), mean_loss);
+  }
 
   /// S, and S·C, at a cosine on the outside.
   double through_sheen(double cosine) const {
@@ -107,7 +135,7 @@ struct PrincipledBsdf {
 
   /// T.
   Vec3 through_all(double cosine) const {
-    return (Vec3{1, 1, 1} - dielectric.albedo(base_albedo(cosine), mean_loss)) * layers_here(cosine);
+    return (Vec3{1, 1, 1} - albedo_of(dielectric, cosine)) * layers_here(cosine);
   }
 
   Vec3 reflectance(double cosine) const {
@@ -149,10 +177,9 @@ inline PrincipledChoice choose(const PrincipledBsdf& b, double cosine) {
   const auto set = [&](PrincipledPart part, double albedo) { choice.of[size_t(part)] = albedo; };
   const double layers = b.layers_here(cosine), coat = b.is_inside ? 0 : b.reflected_by_coat(cosine);
   const MicrofacetAlbedo::Value albedo = b.base_albedo(cosine);
-  const Vec3 below = Vec3{1, 1, 1} - b.dielectric.albedo(albedo, b.mean_loss);
+  const Vec3 of_dielectric = b.albedo_of(b.dielectric, cosine), below = Vec3{1, 1, 1} - of_dielectric;
   const double multiple = max_component(b.facets.multiple) * b.mean_loss * albedo.loss;
-  const double base = max_component(b.dielectric.albedo(albedo, b.mean_loss) * b.dielectric_share +
-                                    b.metal.albedo(albedo, b.mean_loss) * b.metal_share);
+  const double base = max_component(of_dielectric * b.dielectric_share + b.albedo_of(b.metal, cosine) * b.metal_share);
   set(PrincipledPart::diffuse, layers * max_component(b.reflected * below));
   set(PrincipledPart::through, layers * max_component(b.sent_on * below));
   if (b.brightest_sheen > 0 && !b.is_inside) set(PrincipledPart::sheen, b.brightest_sheen * b.sheen.albedo(cosine));
