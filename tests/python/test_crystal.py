@@ -93,7 +93,8 @@ def test_a_field_of_two_polarisations_warns():
 
 def test_an_amplitude_hologram_takes_the_levels_of_its_amplitudes():
     # Between crossed polarisers at 45° a level shows |sin(pi level/256)|: the encoder's levels show |U|/max|U|.
-    slm = {"preset": "ideal", "columns": 64, "rows": 4, "pitch": PITCH, "polariser": "45 deg", "analyser": "-45 deg"}
+    slm = {"preset": "ideal", "columns": 64, "rows": 4, "pitch": PITCH, "levels": 256, "polariser": "45 deg",
+           "analyser": "-45 deg"}
     wanted = np.tile(np.linspace(0, 1, 64), (4, 1))
     hologram = ht.encode(ht.Field(wanted.astype(np.complex64), pitch=PITCH, wavelength=DESIGN), slm=slm, method="amplitude")
     # Half a step of the amplitudes that are asked for, 1/510, and half a step of those that are there, pi/512.
@@ -111,7 +112,8 @@ def test_a_dark_bench_says_so():
 
 def test_sgd_sees_through_coupled_levels():
     # Amplitude and phase of a twisted crystal go together: the nearest levels leave an error that iterations correct.
-    slm = {"preset": "ideal", "columns": 64, "rows": 64, "pitch": PITCH, "polariser": "0 deg", "analyser": "60 deg",
+    slm = {"preset": "ideal", "columns": 64, "rows": 64, "pitch": PITCH, "levels": 256, "polariser": "0 deg",
+           "analyser": "60 deg",
            "crystal": {"twist": "45 deg", "first_delay": "400 deg", "last_delay": "0 deg"}}
     picture = np.zeros((64, 64), np.float32)
     picture[24:40, 20:44] = 1

@@ -119,10 +119,10 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   Begun begun = begin_hologram(head, slm, params, observer);
   const bool needs_processor = begun.needs_processor(params);
   if (needs_processor && params.device.kind == DeviceKind::opencl)
-    observer.warn(
-        fmt::format("the hologram is encoded on the processor, not on the OpenCL device, because the SLM \"{}\" has a "
-                    "calibration, a wavefront error or a light map; use the device cpu, or [encode] effects = none",
-                    slm.name));
+    observer.warn(fmt::format(
+        "the hologram is encoded on the processor, not on the OpenCL device, because the SLM \"{}\" has a "
+        "calibration, a crystal, a wavefront error or a light map; use the device cpu, or [encode] effects = none",
+        slm.name));
   if (traits_of(params.method).is_pointwise && !needs_processor) {
     Observer of_faults;  // the device is told if it has encoded
     of_faults.on_warning = observer.on_warning;

@@ -139,16 +139,18 @@ LevelTable::LevelTable(const Slm& slm, int levels, double stretch) : cycles_(siz
   if (slm.effects.crystal) weigh(brightest - dimmest > 1e-9 * brightest);
 }
 
-// The gain, the nearest level for each of evenly spaced phases, and how much of the light shows them.
+// The gain, the nearest level for each of evenly spaced phases, and how much of the light shows them. Of more than 1024 levels
+// some are enough for that; the others are looked at in the end.
 void LevelTable::weigh(bool are_coupled) {
-  const int64_t phases = std::clamp(4 * levels(), 4096, 1 << 16);
-  nearest_.assign(size_t(phases), 0);
+  constexpr int phases = 4096;
+  const int stride = (levels() + 1023) / 1024;
+  nearest_.assign(phases, 0);
   for (int round = 0; round < 8; ++round) {
     parallel_for(0, phases, [&](int64_t i) {
       // The first round does not know the gain yet, and takes the level with the most light along the phase.
-      const std::complex<double> wanted = cis_cycles(double(i) / double(phases));
+      const std::complex<double> wanted = cis_cycles(double(i) / phases);
       double best = -std::numeric_limits<double>::infinity();
-      for (int level = 0; level < levels(); ++level) {
+      for (int level = 0; level < levels(); level += stride) {
         const double score = round == 0 ? part_along(light_[size_t(level)], wanted) : closeness(level, wanted);
         if (score <= best) continue;
         best = score;
@@ -156,10 +158,10 @@ void LevelTable::weigh(bool are_coupled) {
       }
     });
     double along = 0, square = 0;
-    for (int64_t i = 0; i < phases; ++i) {
+    for (int i = 0; i < phases; ++i) {
       const std::complex<double> t = light_[size_t(nearest_[size_t(i)])];
-      along += part_along(t, cis_cycles(double(i) / double(phases))) / double(phases);
-      square += std::norm(t) / double(phases);
+      along += part_along(t, cis_cycles(double(i) / phases)) / phases;
+      square += std::norm(t) / phases;
     }
     if (!(along * gain_ > 1e-6)) {  // dark
       efficiency_ = purity_ = 0;
@@ -171,7 +173,19 @@ void LevelTable::weigh(bool are_coupled) {
     gain_ *= gain;
     for (std::complex<double>& t : light_) t /= gain;
   }
+  for (int i = 0; i < phases; ++i) {
+    int& level = nearest_[size_t(i)];
+    level = nearest_between(level - stride, level + stride, cis_cycles(double(i) / phases));
+  }
   if (!are_coupled) nearest_.clear();
+}
+
+// The level from `first` to `last` whose light is nearest to a phasor.
+int LevelTable::nearest_between(int first, int last, std::complex<double> wanted) const {
+  int best = std::max(first, 0);
+  for (int level = best + 1; level <= std::min(last, levels() - 1); ++level)
+    if (closeness(level, wanted) > closeness(best, wanted)) best = level;
+  return best;
 }
 
 double LevelTable::closeness(int level, std::complex<double> wanted) const {
@@ -182,7 +196,9 @@ int LevelTable::coupled_level_of(double cycles) const {
   const std::complex<double> wanted = cis_cycles(cycles);
   const double place = (cycles - std::floor(cycles)) * double(nearest_.size());
   const size_t below = std::min(size_t(place), nearest_.size() - 1);
-  const int a = nearest_[below], b = nearest_[(below + 1) % nearest_.size()];
+  const auto [a, b] = std::minmax(nearest_[below], nearest_[(below + 1) % nearest_.size()]);
+  // Neighbours on the curve, and all levels between them; or a jump to another part of the curve.
+  if (b - a <= 256) return nearest_between(a, b, wanted);
   return closeness(a, wanted) >= closeness(b, wanted) ? a : b;
 }
 

@@ -117,6 +117,7 @@ class LevelTable {
   };
   void weigh(bool are_coupled);
   int coupled_level_of(double cycles) const;
+  int nearest_between(int first, int last, std::complex<double> wanted) const;
   double closeness(int level, std::complex<double> wanted) const;
 
   std::vector<double> cycles_;  // by level

@@ -222,6 +222,7 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {
+  check_slm(slm);
   const double wavelength = params.wavelength == 0 ? hologram.wavelength : params.wavelength;
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
   if (polarisation_components(with_effects_or_own(slm, params.effects), design / wavelength).size() > 1)
