@@ -116,13 +116,22 @@ TEST(Crystal, AlongThePolariserIsAPhasePanel) {
   }
 }
 
+TEST(Crystal, PhasesAreFollowedWhereLevelsAreFarApart) {
+  // 1.25 turns from level to level: crosstalk and sgd need the phase between them, and not its remainder.
+  Slm slm = crystal_panel(4, 4, 4, {.polariser = 0});
+  slm.phase_range = 10 * pi;
+  const PixelResponse response(slm, Modulation::phase, 4, 1, 0);
+  for (int level = 0; level <= 4; ++level) EXPECT_NEAR(response.cycles_at(level), 1.25 * level, 1e-12);
+}
+
 TEST(Crystal, BetweenCrossedPolarisersIsAnAmplitudePanel) {
-  // At 45° to the director: |t| = sin(δ/2), from the difference of the two rays; dark where δ is a whole number of waves.
+  // At 45° to the director t = (exp(iδ) − 1)/2, the difference of the two rays: |t| = sin(δ/2), dark where δ is a whole number of
+  // waves.
   Slm slm = crystal_panel(4, 4, 64, {.director = 0, .polariser = pi / 4, .analyser = -pi / 4});
   slm.phase_range = 4 * pi;
   for (int level = 0; level < 64; ++level) {
     const double delay = 4 * pi * level / 64;
-    EXPECT_NEAR(std::abs(light_of(slm, level)), std::abs(std::sin(delay / 2)), 1e-9) << level;
+    EXPECT_LT(std::abs(light_of(slm, level) - (std::polar(0.5, delay) - 0.5)), 1e-9) << level;
   }
   // The phase follows δ/2 through the dark levels 0 and 32, where the amplitude changes its sign: no jump for crosstalk and gradients.
   const PixelResponse response(slm, Modulation::phase, 64, 1, 0);
@@ -160,6 +169,43 @@ TEST(Crystal, AllLightLeavesWithoutAnAnalyser) {
     }
 }
 
+// Σ (a − ā)·conj(b − b̄)/M over the levels of two components.
+std::complex<double> covariance(const Slm& slm, int a, int b) {
+  std::complex<double> of_a = 0, of_b = 0, product = 0;
+  for (int level = 0; level < slm.levels; ++level) {
+    const std::complex<double> in_a = light_of(slm, level, a), in_b = light_of(slm, level, b);
+    of_a += in_a / double(slm.levels);
+    of_b += in_b / double(slm.levels);
+    product += in_a * std::conj(in_b) / double(slm.levels);
+  }
+  return product - of_a * std::conj(of_b);
+}
+
+TEST(Crystal, TheFirstPolarisationIsModulatedMost) {
+  // Principal components: uncorrelated, and the first has the larger variance. The plate makes them elliptical.
+  Crystal crystal{.director = 0.2, .twist = 0.8, .polariser = 0.5};
+  crystal.plates_before = {{0.3, 1}};
+  crystal.plates_behind = {{-0.4, 0.7}};
+  Slm slm = crystal_panel(4, 4, 32, crystal);
+  slm.phase_range = 3 * pi;
+  EXPECT_LT(std::abs(covariance(slm, 0, 1)), 1e-9);
+  EXPECT_GT(covariance(slm, 0, 0).real(), 2 * covariance(slm, 1, 1).real());
+  // Of unpolarised light the first half is the one that is modulated most, more than half of any light behind a polariser.
+  Slm unpolarised = slm;
+  unpolarised.effects.crystal->polariser.reset();
+  const auto modulated = [](const Slm& panel, int first) {
+    return covariance(panel, first, first).real() + covariance(panel, first + 1, first + 1).real();
+  };
+  EXPECT_GT(modulated(unpolarised, 0), 1.05 * modulated(unpolarised, 2));
+  for (double plate = 0; plate < pi; plate += pi / 12)
+    for (double axis = 0; axis < pi; axis += pi / 12) {
+      slm.effects.crystal->polariser = axis;
+      slm.effects.crystal->plates_before = {{0.0, plate},
+                                            {0.3, 1}};  // all polarisations, by a plate that is put before
+      EXPECT_LE(0.5 * modulated(slm, 0), modulated(unpolarised, 0) + 1e-9) << plate << " " << axis;
+    }
+}
+
 TEST(Crystal, AMisalignedPolariserSendsSineSquaredToTheZeroOrder) {
   // A ramp of P levels over P pixels: cos²θ·sinc²(1/P) of the light in order 1, and sin²θ, which the crystal does not delay,
   // in order 0 of the other polarisation.
@@ -178,6 +224,16 @@ TEST(Crystal, AMisalignedPolariserSendsSineSquaredToTheZeroOrder) {
   }
   EXPECT_NEAR(in_first, std::pow(std::cos(angle) * sinc(1.0 / steps), 2), efficiency_tolerance);
   EXPECT_NEAR(in_zero, std::pow(std::sin(angle), 2), efficiency_tolerance);
+}
+
+TEST(Crystal, LightOfGapsPassesTheAnalyser) {
+  // A uniform panel of level ℓ sends F·t + (1 − F)·γ·t₀ to order 0, with the crystal over the gaps as at level 0.
+  Slm slm = crystal_panel(4, 4, 16, {.director = 0.1, .polariser = 0.6, .analyser = -0.3});
+  slm.fill_factor = 0.8;
+  slm.effects.gap_amplitude = 0.5;
+  const Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 6; });
+  const std::complex<double> u(show(h, slm, with_effects({"crystal", "gaps"}, 1)).samples(0, 0));
+  EXPECT_LT(std::abs(u - (0.8 * light_of(slm, 6) + 0.2 * 0.5 * light_of(slm, 0))), efficiency_tolerance);
 }
 
 TEST(Crystal, ScaledDelaysDarkenAnotherColour) {
@@ -262,19 +318,28 @@ TEST(Crystal, GradientsAreThoseOfFiniteDifferences) {
 
 // --- levels ---------------------------------------------------------------------------------------
 
-TEST(CrystalLevels, AreThoseNearestToThePhaseInTheComplexPlane) {
+Slm coupled_panel(int levels) {
   Crystal crystal{.twist = 0.8, .polariser = 0.5, .analyser = 0.5};
-  for (int level = 0; level < 64; ++level) crystal.delays.push_back(2 * pi * (1 - level / 64.0));
-  const Slm slm = crystal_panel(4, 4, 64, crystal);
-  const LevelTable table(slm, 64, 1);
-  // Brute force at the table's own gain, which its light is divided by.
-  for (int i = 0; i < 1000; ++i) {
-    const double cycles = i / 1000.0 - 0.3;
-    const std::complex<double> wanted = std::polar(1.0, 2 * pi * cycles);
-    double least = 1e9;
-    for (const std::complex<double> t : table.light()) least = std::min(least, std::norm(t - wanted));
-    EXPECT_NEAR(std::norm(table.light()[size_t(table.level_of(cycles))] - wanted), least, 1e-12) << cycles;
+  for (int level = 0; level < levels; ++level) crystal.delays.push_back(2 * pi * (1 - level / double(levels)));
+  return crystal_panel(4, 4, levels, crystal);
+}
+
+TEST(CrystalLevels, AreThoseNearestToThePhaseInTheComplexPlane) {
+  for (const int levels : {64, 5000}) {
+    const LevelTable table(coupled_panel(levels), levels, 1);
+    // Brute force at the table's own gain, which its light is divided by.
+    for (int i = 0; i < 300; ++i) {
+      const double cycles = i / 300.0 - 0.3;
+      const std::complex<double> wanted = std::polar(1.0, 2 * pi * cycles);
+      double least = 1e9;
+      for (const std::complex<double> t : table.light()) least = std::min(least, std::norm(t - wanted));
+      EXPECT_NEAR(std::norm(table.light()[size_t(table.level_of(cycles))] - wanted), least, 1e-12) << cycles;
+    }
   }
+}
+
+TEST(CrystalLevels, HaveTheGainOfThePurestLight) {
+  const LevelTable table(coupled_panel(64), 64, 1);
   // No other gain has a purer light: the purity ⟨Re(t·e^−iφ)⟩²/⟨|t|²⟩ of levels taken at half and at twice the gain is less.
   const auto purity = [&](double gain) {
     double along = 0, square = 0;
@@ -301,6 +366,16 @@ TEST(CrystalLevels, OfEvenAmplitudesAreTheNearestPhases) {
   // Malus at the director, then the ramp's own loss.
   EXPECT_NEAR(table.efficiency(), std::pow(std::cos(0.5) * sinc(1.0 / 16), 2), 1e-6);
   EXPECT_NEAR(table.purity(), std::pow(sinc(1.0 / 16), 2), 1e-6);
+}
+
+TEST(CrystalLevels, BeyondADarkDelayHaveTheirOwnPhase) {
+  // δ = π − ½ and 3π + ½ between crossed polarisers: t = (exp(iδ) − 1)/2 has the phases ±(π − ¼), and an even modulus. The phase is
+  // followed through the dark 2π between them, where the amplitude changes its sign.
+  const Slm slm =
+      crystal_panel(4, 4, 2, {.delays = {pi - 0.5, 3 * pi + 0.5}, .polariser = pi / 4, .analyser = -pi / 4});
+  const LevelTable table(slm, 2, 1);
+  EXPECT_EQ(table.level_of((pi - 0.25) / (2 * pi)), 0);
+  EXPECT_EQ(table.level_of(-(pi - 0.25) / (2 * pi)), 1);
 }
 
 TEST(CrystalLevels, OfAmplitudesAreEvenSteps) {

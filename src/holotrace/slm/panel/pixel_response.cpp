@@ -112,25 +112,24 @@ void PixelResponse::pull_back(const float* drive, int count, const float* of_cyc
   }
 }
 
-LevelTable::LevelTable(const Slm& slm, int levels, double stretch) : cycles_(size_t(levels)) {
+LevelTable::LevelTable(const Slm& slm, int levels, double stretch) {
   check_levels(levels);
   const PixelResponse response(slm, Modulation::phase, levels, stretch, 0);
   double lowest = 0, highest = 0, dimmest = 1, brightest = 0;
   for (int level = 0; level < levels; ++level) {
-    double cycles = response.cycles_at(level);
-    if (slm.effects.crystal) {
-      light_.push_back(response.light_at(level));
-      const double amplitude = std::abs(light_.back());
-      dimmest = std::min(dimmest, amplitude);
-      brightest = std::max(brightest, amplitude);
-      if (std::abs(light_.back() - amplitude * cis_cycles(cycles)) > amplitude) cycles += 0.5;  // a negative amplitude
-    } else {
-      light_.push_back(cis_cycles(cycles - std::floor(cycles)));
-    }
+    const double cycles = response.cycles_at(level);
     lowest = level == 0 ? cycles : std::min(lowest, cycles);
     highest = level == 0 ? cycles : std::max(highest, cycles);
-    cycles_[size_t(level)] = cycles - std::floor(cycles);
-    sorted_.push_back({cycles_[size_t(level)], level});
+    double shown = cycles - std::floor(cycles);
+    light_.push_back(cis_cycles(shown));
+    if (slm.effects.crystal) {
+      light_.back() = response.light_at(level);
+      shown = std::arg(light_.back()) / (2 * pi);  // of an amplitude of either sign
+      shown -= std::floor(shown);
+      dimmest = std::min(dimmest, std::abs(light_.back()));
+      brightest = std::max(brightest, std::abs(light_.back()));
+    }
+    sorted_.push_back({shown, level});
   }
   range_ = highest - lowest;
   std::sort(sorted_.begin(), sorted_.end(), [](const Shown& a, const Shown& b) {

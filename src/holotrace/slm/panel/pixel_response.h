@@ -94,10 +94,7 @@ class LevelTable {
   /// The level whose phase is nearest to 2π·cycles around the circle; of two equally near, the lower one.
   int level_of(double cycles) const;
 
-  /// The phase that a level shows, in [0, 1) cycles.
-  double cycles_of(int level) const { return cycles_[size_t(level)]; }
-
-  /// The light of each level relative to what shows a phase: exp(2πi·cycles_of), with a crystal t/g.
+  /// The light of each level relative to what shows a phase: exp(iφ) of its phase, with a crystal t/g.
   const std::vector<std::complex<double>>& light() const { return light_; }
 
   /// Fraction of the light on the panel that shows the phases, and of the light that leaves in this polarisation; 1 without a
@@ -108,7 +105,7 @@ class LevelTable {
   /// Difference of the highest and the lowest phase shown [cycles], not wrapped.
   double range() const { return range_; }
 
-  int levels() const { return int(cycles_.size()); }
+  int levels() const { return int(light_.size()); }
 
  private:
   struct Shown {
@@ -120,8 +117,7 @@ class LevelTable {
   int nearest_between(int first, int last, std::complex<double> wanted) const;
   double closeness(int level, std::complex<double> wanted) const;
 
-  std::vector<double> cycles_;  // by level
-  std::vector<Shown> sorted_;   // by phase
+  std::vector<Shown> sorted_;  // by phase
   std::vector<std::complex<double>> light_;
   double range_ = 0, efficiency_ = 1, purity_ = 1, gain_ = 1;
   std::vector<int> nearest_;  // of coupled levels: that for each of evenly spaced phases; empty: only the phase counts
