@@ -108,6 +108,8 @@ def main():
     seed("panel", "plain", panel)
     seed("panel", "effects", panel + 'crosstalk = 0.5\ngap_amplitude = 0.1\ngap_phase = "10 deg"\nflicker = 0.01\n'
          'aberration = [{ n = 2, m = 0, rms = "0.3 rad" }]\ndead_pixels = [[1, 2, 3]]\ndead_fraction = 0.1\n')
+    seed("panel", "crystal", panel + 'polariser = "none"\nanalyser = "-45 deg"\nplates_before = [{ axis = "22.5 deg", delay = "180 deg" }]\n'
+         '[crystal]\nkind = "transmissive"\ndirector = "10 deg"\ntwist = "-90 deg"\nfirst_delay = "400 deg"\nlast_delay = "0 deg"\n')
     seed("panel", "preset", 'preset = "pluto"\ncolumns = 8\nmodulation = "phase"\n')
     seed("calibration", "radians", "level,phase_rad,amplitude\n0,0,1\n128,3.14,0.9\n255,6.28,1\n")
     seed("calibration", "pi", "# comment\ngrey, phase_pi\n0, 0\n255, 2\n")

@@ -3,7 +3,7 @@
 
 Usage: scripts/panel_sheets.py DIR [--docs]
 
-DIR holds the folders encoders, effects and stereo.
+DIR holds the folders encoders, effects, polariser and stereo.
 """
 import json
 import pathlib
@@ -13,7 +13,7 @@ import sys
 import numpy as np
 from PIL import Image
 
-from contact_sheets import ROOT, renew_picture, renew_table, save_table
+from contact_sheets import ROOT, develop, load_linear, renew_picture, renew_table, save_table, shrink
 from hmcpt_sheets import developed, lay_out, save_sheets
 
 ENCODERS = {"phase": "phase alone", "double-phase": "double phase", "error-diffusion": "error diffusion",
@@ -22,6 +22,7 @@ ENCODERS = {"phase": "phase alone", "double-phase": "double phase", "error-diffu
             "complex": "complex field (complex panel)"}
 EFFECTS = {"ideal": "sgd on an ideal panel", "unknown": "the same levels, all effects on",
            "known": "sgd that knows the panel"}
+POLARISERS = {"p0": "polariser along the director", "p10": "at 10°", "p20": "at 20°", "p20a": "at 20°, with an analyser"}
 PICTURE = (640, 352)
 
 
@@ -66,6 +67,14 @@ def effects_sheet(folder):
                    [row])
 
 
+def polariser_sheet(folder):
+    linear = {name: shrink(load_linear(folder / f"{name}.png"), (480, 480)) for name in POLARISERS}
+    white = np.percentile(linear["p0"], 99.7)  # the same for all
+    return lay_out("A polariser that is turned", "One hologram on a parallel-aligned panel; angles are from the director. Light that "
+                   "the crystal does not delay is a haze over the picture.",
+                   [[(POLARISERS[name], develop(linear[name], white)) for name in row] for row in (("p0", "p10"), ("p20", "p20a"))])
+
+
 def stereo_sheet(folder):
     size = (420, 420)
     return lay_out("Stereo pair and hologram: two eyes on the panel", "Above: two renders, as a stereoscopic display would "
@@ -87,7 +96,7 @@ def renew_docs(output, sheets, table):
 def main():
     output = pathlib.Path(sys.argv[1])
     sheets = {"panel_encoders": encoders_sheet(output / "encoders"), "panel_effects": effects_sheet(output / "effects"),
-              "panel_stereo": stereo_sheet(output / "stereo")}
+              "polariser": polariser_sheet(output / "polariser"), "panel_stereo": stereo_sheet(output / "stereo")}
     save_sheets(output, sheets)
     table = encoders_table(output / "encoders")
     save_table(output, "encoders", table)

@@ -25,6 +25,7 @@ Slm panel_with_all() {
   e.dead_fraction = 0.25;
   e.dead_seed = 5;
   e.dead_pixels = {{1, 0, 1}};
+  e.crystal = Crystal{.twist = 0.5};
   return slm;
 }
 
@@ -42,6 +43,7 @@ void expect_figures(const SlmEffects& e, const SlmEffects& all, const std::vecto
   EXPECT_EQ(e.dead_fraction, has("dead-pixels") ? all.dead_fraction : 0);
   EXPECT_EQ(e.dead_seed, has("dead-pixels") ? all.dead_seed : SlmEffects{}.dead_seed);
   EXPECT_EQ(e.dead_pixels.size(), has("dead-pixels") ? 1u : 0u);
+  EXPECT_EQ(e.crystal ? e.crystal->twist : 0, has("crystal") ? all.crystal->twist : 0);
 }
 
 TEST(SlmEffects, EachOneIsTurnedOnByItsNameWithAllItsFigures) {

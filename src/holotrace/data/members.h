@@ -87,13 +87,29 @@ void members(Archive& archive, ZernikeTerm& part) {
 }
 
 template <class Archive>
+void members(Archive& archive, WavePlate& part) {
+  auto& [axis, delay] = part;
+  archive(required_key("axis_rad", axis), required_key("delay_rad", delay));
+}
+
+template <class Archive>
+void members(Archive& archive, Crystal& part) {
+  auto& [pass, director, twist, delays, polariser, analyser, before, behind] = part;
+  archive(required_key("pass", pass), key_if_set("director_rad", director), key_if_set("twist_rad", twist),
+          key_if_set("delays_rad", delays), key("polariser_rad", polariser, polariser.has_value()),
+          key("analyser_rad", analyser, analyser.has_value()), key_if_set("plates_before", before),
+          key_if_set("plates_behind", behind));
+}
+
+template <class Archive>
 void members(Archive& archive, SlmEffects& noun) {
   auto& [calibration, crosstalk, gap_amplitude, gap_phase, flicker, aberration, phase_map, light_map, dead_fraction,
-         dead_seed, dead_pixels] = noun;
+         dead_seed, dead_pixels, crystal] = noun;
   archive(key_if_set("crosstalk_pixels", crosstalk), key_if_set("gap_amplitude", gap_amplitude),
           key_if_set("gap_phase_rad", gap_phase), key_if_set("flicker", flicker), key_if_set("aberration", aberration),
           key_if_set("dead_fraction", dead_fraction), key("dead_seed", dead_seed, dead_fraction > 0),
-          key_if_set("dead_pixels", dead_pixels), key_if_set("calibration", calibration), phase_map, light_map);
+          key_if_set("dead_pixels", dead_pixels), key_if_set("calibration", calibration),
+          key("crystal", crystal, crystal.has_value()), phase_map, light_map);
 }
 
 template <class Archive>

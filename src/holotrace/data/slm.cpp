@@ -10,7 +10,8 @@
 namespace holotrace {
 
 std::vector<std::string> slm_effect_names() {
-  return {"calibration", "crosstalk", "gaps", "flicker", "aberration", "phase-map", "light-map", "dead-pixels"};
+  return {"calibration", "crosstalk", "gaps",        "flicker", "aberration",
+          "phase-map",   "light-map", "dead-pixels", "crystal"};
 }
 
 Slm with_effects(const Slm& slm, const std::vector<std::string>& names) {
@@ -43,6 +44,7 @@ Slm with_effects(const Slm& slm, const std::vector<std::string>& names) {
     on.dead_seed = has.dead_seed;
     on.dead_pixels = has.dead_pixels;
   }
+  if (is_on("crystal")) on.crystal = has.crystal;
   return out;
 }
 
@@ -61,6 +63,7 @@ std::vector<std::string> effects_of(const Slm& slm) {
   if (e.phase_map) names.push_back("phase-map");
   if (e.light_map) names.push_back("light-map");
   if (e.dead_fraction > 0 || !e.dead_pixels.empty()) names.push_back("dead-pixels");
+  if (e.crystal) names.push_back("crystal");
   return names;
 }
 
@@ -88,6 +91,31 @@ void check_calibration(const std::vector<CalibrationPoint>& points, int levels) 
   }
 }
 
+void check_crystal(const Crystal& crystal, const Slm& slm) {
+  require(slm.modulation != Modulation::complex,
+          "expected a crystal on a panel of phase or amplitude, as its levels give both together, got the modulation "
+          "\"complex\"; set modulation to \"phase\"");
+  require(crystal.delays.empty() || crystal.delays.size() == size_t(slm.levels),
+          "expected a delay of the crystal for each of the panel's {} levels, got {}", slm.levels,
+          crystal.delays.size());
+  const auto check = [](double angle, const char* what) {
+    require(std::isfinite(angle), "expected a finite {}, got {} rad", what, angle);
+  };
+  check(crystal.director, "angle of the crystal's director");
+  require(std::abs(crystal.twist) <= 8 * pi, "expected a twist of the crystal of at most four turns, got {} rad",
+          crystal.twist);
+  for (const double delay : crystal.delays)
+    require(std::abs(delay) <= 200 * pi, "expected delays of the crystal of at most 100 wavelengths, got {} rad",
+            delay);
+  if (crystal.polariser) check(*crystal.polariser, "angle of the polariser");
+  if (crystal.analyser) check(*crystal.analyser, "angle of the analyser");
+  for (const auto* plates : {&crystal.plates_before, &crystal.plates_behind})
+    for (const WavePlate& plate : *plates) {
+      check(plate.axis, "angle of a wave plate");
+      check(plate.delay, "delay of a wave plate");
+    }
+}
+
 void check_map(const Array2D<float>& map, const Grid& grid, const char* kind) {
   require(map.nx == grid.nx && map.ny == grid.ny, "expected a {} map of {} × {} pixels, as the panel has, got {} × {}",
           kind, grid.nx, grid.ny, map.nx, map.ny);
@@ -96,6 +124,7 @@ void check_map(const Array2D<float>& map, const Grid& grid, const char* kind) {
 void check_effects(const Slm& slm) {
   const SlmEffects& e = slm.effects;
   check_calibration(e.calibration, slm.levels);
+  if (e.crystal) check_crystal(*e.crystal, slm);
   require(e.crosstalk >= 0 && e.crosstalk <= 8, "expected a crosstalk of 0 to 8 pixels, got {}", e.crosstalk);
   require(is_in_unit_interval(e.gap_amplitude) && std::isfinite(e.gap_phase),
           "expected gaps of an amplitude in [0, 1] and a finite phase, got {} and {} rad", e.gap_amplitude,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,35 @@ struct DeadPixel {
   bool operator==(const DeadPixel&) const = default;
 };
 
+/// Whether light passes a panel's crystal twice, with a mirror behind it (liquid crystal on silicon), or once.
+enum class CrystalPass { reflective, transmissive };
+
+/// The names in files.
+inline constexpr std::initializer_list<Choice<CrystalPass>> crystal_pass_names{
+    {"reflective", CrystalPass::reflective}, {"transmissive", CrystalPass::transmissive}};
+
+/// A wave plate: a retarder whose delay is the same everywhere.
+struct WavePlate {
+  double axis = 0;   ///< angle of its slow axis [rad]
+  double delay = 0;  ///< of light along its slow axis, at the panel's design wavelength [rad]: π/2 a quarter of a wave
+  bool operator==(const WavePlate&) const = default;
+};
+
+/// The liquid crystal of a panel, and the polarisers and wave plates on the bench. Angles are from x toward y as the
+/// viewer sees the panel. slm/panel/crystal.h has the physics.
+struct Crystal {
+  CrystalPass pass = CrystalPass::reflective;
+  double director = 0;  ///< angle of the molecules' long axes, the slow axis, where light enters [rad]
+  double twist = 0;     ///< angle by which the director turns through the crystal [rad]; 0: parallel-aligned
+  /// Delay of light along the director [rad] at each level, at the design wavelength, over the light's whole way
+  /// through the crystal. Empty: the phases of the panel, which are those of its calibration or even steps.
+  std::vector<double> delays{};
+  std::optional<double> polariser{};       ///< axis of the light that meets the panel [rad]; none: unpolarised light
+  std::optional<double> analyser{};        ///< axis of the polariser behind the panel [rad]; none: all light leaves
+  std::vector<WavePlate> plates_before{};  ///< between polariser and panel, in the order of the light
+  std::vector<WavePlate> plates_behind{};  ///< between panel and analyser, in the order of the light
+};
+
 /// The differences between a panel and an ideal one of its pitch, fill factor and levels. An effect is on if its value
 /// is not empty or 0; with_effects turns off all but the named ones.
 struct SlmEffects {
@@ -53,6 +83,7 @@ struct SlmEffects {
   double dead_fraction = 0;            ///< fraction of dead pixels, at random places and levels
   int64_t dead_seed = 1;               ///< seed for those places
   std::vector<DeadPixel> dead_pixels;  ///< known dead pixels
+  std::optional<Crystal> crystal{};    ///< the crystal between polarisers; none: levels act on all light alike
 };
 
 /// A spatial light modulator.
@@ -80,7 +111,7 @@ struct Slm {
 /// Beyond the last point the phase continues with the last slope, and the amplitude is constant.
 CalibrationPoint calibration_at(const std::vector<CalibrationPoint>& points, double level);
 
-/// The names of the effects: calibration, crosstalk, gaps, flicker, aberration, phase-map, light-map, dead-pixels.
+/// The names of the effects: calibration, crosstalk, gaps, flicker, aberration, phase-map, light-map, dead-pixels, crystal.
 std::vector<std::string> slm_effect_names();
 
 /// The panel with only the named effects on; "all": all of them.
@@ -96,7 +127,8 @@ std::vector<std::string> effects_of(const Slm& slm);
 
 /// @throws Error unless the grid is valid, levels are 2 … 65536, fill factors are in (0, 1], and the values of every
 ///         effect are in range: a calibration with a point per level and a phase that never falls, amplitudes in
-///         [0, 1], a phase map and a light map with a value per pixel, dead pixels on the panel.
+///         [0, 1], a phase map and a light map with a value per pixel, dead pixels on the panel, a crystal with finite
+///         angles and a delay per level, on a panel whose levels are not complex.
 void check_slm(const Slm& slm);
 
 }  // namespace holotrace

@@ -275,6 +275,18 @@ std::string aberration_text(const std::vector<ZernikeTerm>& terms) {
   return text;
 }
 
+std::string crystal_text(const Crystal& crystal) {
+  const auto axis = [](const std::optional<double>& angle) { return angle ? format_angle(*angle) : "none"; };
+  std::string text = fmt::format("{}, director {}, twist {}, ", name_of(crystal.pass, crystal_pass_names),
+                                 format_angle(crystal.director), format_angle(crystal.twist));
+  if (!crystal.delays.empty())
+    text += fmt::format("delay {:.4g}π to {:.4g}π, ", crystal.delays.front() / pi, crystal.delays.back() / pi);
+  text += fmt::format("polariser {}, analyser {}", axis(crystal.polariser), axis(crystal.analyser));
+  if (const size_t plates = crystal.plates_before.size() + crystal.plates_behind.size(); plates > 0)
+    text += fmt::format(", {} wave plate(s)", plates);
+  return text;
+}
+
 Json describe_effects(const Slm& slm) {
   const SlmEffects& e = slm.effects;
   Json json = Json::object();
@@ -295,6 +307,7 @@ Json describe_effects(const Slm& slm) {
   if (e.light_map) json["light-map"] = size_text(e.light_map->nx, e.light_map->ny);
   if (e.dead_fraction > 0 || !e.dead_pixels.empty())
     json["dead-pixels"] = fmt::format("{} known, {:g} % at random", e.dead_pixels.size(), 100 * e.dead_fraction);
+  if (e.crystal) json["crystal"] = crystal_text(*e.crystal);
   return json;
 }
 

@@ -92,6 +92,11 @@ IlluminationPlan plan_illumination(const Slm& slm, const ShowParams& params, dou
   const bool is_shared = parts > 1 || (is_given && params.bandwidth == 0 && !has_flicker);
   if (!is_shared) taken.source_angle = 0;
   plan.states = illumination_states(with, taken, wavelength);
+  const int first = plan.states.front().polarisation;
+  plan.instants = int(std::count_if(plan.states.begin(), plan.states.end(),
+                                    [&](const IlluminationState& state) { return state.polarisation == first; }));
+  if (const int polarisations = int(plan.states.size()) / plan.instants; polarisations > 1)
+    need(1, fmt::format("{} polarisations that do not interfere, each of which takes these states", polarisations));
   if (!is_shared)
     for (IlluminationState& state : plan.states) state.source.angle = params.source_angle;
   const auto samples_along = [&](int pixels) {  // viewing_need refuses too many
@@ -109,7 +114,7 @@ SourcePart widest_part(const IlluminationPlan& plan) {
 }
 
 std::string doubt_of(const IlluminationPlan& plan, const ShowParams& params) {
-  const int taken = int(plan.states.size());
+  const int taken = plan.instants;
   if (taken >= plan.needed) return {};
   const std::string limit = params.illumination_states == 0
                                 ? fmt::format("the limit is {}", taken)

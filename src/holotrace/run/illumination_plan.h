@@ -15,8 +15,9 @@ namespace holotrace {
 /// The number of illumination states over which the light and the panel are averaged for some views, and its reason.
 struct IlluminationPlan {
   std::vector<IlluminationState> states;
-  int needed = 1;   ///< number that blurs evenly the finest point that the views resolve
-  std::string why;  ///< empty for coherent light
+  int instants = 1;  ///< number of states of one polarisation
+  int needed = 1;    ///< number of instants that blurs evenly the finest point that the views resolve
+  std::string why;   ///< empty for coherent light
 };
 
 /// The states of partly coherent light (slm/panel/illumination.h): params.illumination_states, or for 0
@@ -34,6 +35,8 @@ struct IlluminationPlan {
 /// their steps are half the resolution r, the largest of the sensor's pixel, λz/S and λ|z − z_e|/D:
 ///
 ///     N = 2·f·z·Δλ/r   (at least 8, because the panel itself differs at other wavelengths)
+///
+/// Polarisations that a crystal lets leave beside each other take these states each (slm/panel/crystal.h).
 ///
 /// Eyes that the job does not ask for (is_asked_for) need none of their own. Flicker takes 16. The largest of these numbers is used, at most 256; beyond that a warning says what is left out.
 ///

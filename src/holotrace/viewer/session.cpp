@@ -266,8 +266,8 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
       Image mean;
       for (const IlluminationState& at : states) {
         if (is_outdated && is_outdated()) return std::nullopt;
-        const std::string source = fmt::format("{};{:a};{:a};{:a};{:a};{}", i, at.wavelength, at.tilt_x, at.tilt_y,
-                                               at.flicker, value_texts(show));
+        const std::string source = fmt::format("{};{:a};{:a};{:a};{:a};{};{}", i, at.wavelength, at.tilt_x, at.tilt_y,
+                                               at.flicker, at.polarisation, value_texts(show));
         std::shared_ptr<const Field> computed;
         if (!item.field)
           computed = light_.get("shown " + source, observer, [&](const Observer& o) {

@@ -249,6 +249,76 @@ TEST(SlmFile, ACalibrationIsLinearBetweenItsLevels) {
   EXPECT_EQ(load_calibration(degrees, 2)[1].amplitude, 1);
 }
 
+TEST(SlmFile, ACrystalIsReadWithItsPolarisers) {
+  const std::string folder = fresh_folder("crystal");
+  const auto panel = [&](const std::string& keys) {
+    return load_slm(file_in(folder, "p.toml", "columns = 8\nrows = 4\npitch = \"8 um\"\nlevels = 4\n" + keys));
+  };
+  EXPECT_FALSE(panel("").effects.crystal);
+  // A polariser alone belongs to a parallel-aligned crystal with its director along x, whose delays are the panel's phases.
+  const Slm simple = panel("polariser = \"30 deg\"\n");
+  ASSERT_TRUE(simple.effects.crystal);
+  EXPECT_EQ(simple.own_effects, std::vector<std::string>{"crystal"});
+  EXPECT_DOUBLE_EQ(*simple.effects.crystal->polariser, pi / 6);
+  EXPECT_FALSE(simple.effects.crystal->analyser);
+  EXPECT_TRUE(simple.effects.crystal->delays.empty());
+  EXPECT_FALSE(panel("polariser = \"none\"\n").effects.crystal->polariser);
+
+  const Slm all = panel(R"(analyser = "-45 deg"
+plates_before = [{ axis = "22.5 deg", delay = "180 deg" }]
+[crystal]
+kind = "transmissive"
+director = "90 deg"
+twist = "-90 deg"
+first_delay = "400 deg"
+last_delay = "0 deg"
+)");
+  const Crystal& crystal = *all.effects.crystal;
+  EXPECT_EQ(crystal.pass, CrystalPass::transmissive);
+  EXPECT_DOUBLE_EQ(crystal.twist, -pi / 2);
+  EXPECT_DOUBLE_EQ(*crystal.polariser, pi / 2);  // along the director, where nothing else is said
+  EXPECT_DOUBLE_EQ(*crystal.analyser, -pi / 4);
+  EXPECT_EQ(crystal.plates_before, (std::vector<WavePlate>{{pi / 8, pi}}));
+  ASSERT_EQ(crystal.delays.size(), 4u);  // level 4 would have the last one
+  EXPECT_NEAR(crystal.delays[0], 400 * pi / 180, 1e-12);
+  EXPECT_NEAR(crystal.delays[3], 100 * pi / 180, 1e-12);
+
+  // A panel with other levels keeps the curve; other keys stay.
+  file_in(folder, "delays.csv", "level, delay_pi\n0, 1\n1, 2\n3, 0\n");
+  const Slm table = panel("[crystal]\ndelays = \"delays.csv\"\n");
+  EXPECT_NEAR(table.effects.crystal->delays[1], 2 * pi, 1e-12);
+  EXPECT_NEAR(table.effects.crystal->delays[2], pi, 1e-12);
+  const Slm fewer = load_slm(file_in(folder, "q.toml", "preset = \"p.toml\"\nlevels = 2\nanalyser = \"0 deg\"\n"));
+  ASSERT_EQ(fewer.effects.crystal->delays.size(), 2u);
+  EXPECT_NEAR(fewer.effects.crystal->delays[1], pi, 1e-12);
+  EXPECT_EQ(*fewer.effects.crystal->analyser, 0);
+}
+
+TEST(SlmFile, ABadCrystalIsRefusedWithItsLine) {
+  const std::string folder = fresh_folder("bad_crystal");
+  file_in(folder, "delays.csv", "level, phase_rad\n0, 1\n3, 0\n");
+  const auto error = [&](const std::string& keys) {
+    const std::string path = file_in(folder, "p.toml", "columns = 8\nrows = 4\npitch = \"8 um\"\nlevels = 4\n" + keys);
+    return sentence_in(folder, [&] { load_slm(path); });
+  };
+  EXPECT_EQ(error("polariser = \"30 mm\"\n").substr(0, 12), "p.toml:5:13:");
+  EXPECT_EQ(
+      error("modulation = \"complex\"\npolariser = \"0 deg\"\n"),
+      "p.toml:1:1: expected a crystal on a panel of phase or amplitude, as its levels give both together, got the "
+      "modulation \"complex\"; set modulation to \"phase\"");
+  EXPECT_EQ(error("[crystal]\ntwists = \"1 deg\"\n"), "p.toml:6:1: unknown key \"twists\"; did you mean \"twist\"?");
+  EXPECT_EQ(error("[crystal]\nfirst_delay = \"1 deg\"\n"),
+            "p.toml:6:15: expected \"last_delay\", the delay that the level 4 would have, beside \"first_delay\"");
+  EXPECT_EQ(error("[crystal]\nlast_delay = \"1 deg\"\ndelays = \"delays.csv\"\n"),
+            "p.toml:7:10: expected either \"delays\", or \"first_delay\" and \"last_delay\", got both");
+  EXPECT_EQ(error("[crystal]\ndelays = \"delays.csv\"\n"),
+            "p.toml:6:10: delays.csv:1: unknown column \"phase_rad\"; known: level, grey, delay_rad, delay_pi, "
+            "delay_deg");
+  EXPECT_EQ(error("plates_behind = [{ axis = \"1 deg\" }]\n"),
+            "p.toml:5:18: expected a list of wave plates [{ axis = \"45 deg\", delay = \"90 deg\" }, …] for "
+            "\"plates_behind\", got a table");
+}
+
 TEST(SlmFile, ABadCalibrationIsRefusedWithItsLine) {
   const std::string folder = fresh_folder("calibrations");
   const auto error = [&](const std::string& text) {
@@ -353,6 +423,8 @@ Slm panel_of_all_effects() {
   slm.effects.phase_map = std::make_shared<const Array2D<float>>(map);
   for (float& value : map.values) value = value * value;
   slm.effects.light_map = std::make_shared<const Array2D<float>>(map);
+  slm.effects.crystal = Crystal{CrystalPass::transmissive, 0.1, -0.7, {}, 0.3, 1.2, {{0.2, pi}}, {{0.4, 1}, {0.5, 2}}};
+  for (int level = 0; level < 16; ++level) slm.effects.crystal->delays.push_back(5 - level / 7.0);
   return slm;
 }
 
@@ -399,6 +471,15 @@ TEST(SlmFile, AHologramKeepsItsPanelsEffectsWhereverItGoes) {
   EXPECT_EQ(is.phase_map->values, was.phase_map->values);
   ASSERT_TRUE(is.light_map);
   EXPECT_EQ(is.light_map->values, was.light_map->values);
+  ASSERT_TRUE(is.crystal);
+  EXPECT_EQ(is.crystal->pass, was.crystal->pass);
+  EXPECT_EQ(is.crystal->director, was.crystal->director);
+  EXPECT_EQ(is.crystal->twist, was.crystal->twist);
+  EXPECT_EQ(is.crystal->delays, was.crystal->delays);
+  EXPECT_EQ(is.crystal->polariser, was.crystal->polariser);
+  EXPECT_EQ(is.crystal->analyser, was.crystal->analyser);
+  EXPECT_EQ(is.crystal->plates_before, was.crystal->plates_before);
+  EXPECT_EQ(is.crystal->plates_behind, was.crystal->plates_behind);
   EXPECT_EQ(effects_of(*again.slm), effects_of(slm));
 }
 

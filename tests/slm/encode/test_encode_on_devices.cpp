@@ -466,7 +466,7 @@ TEST_P(EncodeOnDevices, LeaveToTheProcessorWhatItDoesBetter) {
   ASSERT_EQ(warned.warnings.size(), 1U);
   EXPECT_EQ(warned.warnings[0],
             "the hologram is encoded on the processor, not on the OpenCL device, because the SLM \"test\" has a "
-            "calibration, a wavefront error or a light map; use the device cpu, or [encode] effects = none");
+            "calibration, a crystal, a wavefront error or a light map; use the device cpu, or [encode] effects = none");
   one.params.method = Encoding::binary;  // of a calibration one step is used
   EXPECT_EQ(encode(there(field), one.slm, on_device(one.params)).level.values,
             encode(field, one.slm, one.params).level.values);

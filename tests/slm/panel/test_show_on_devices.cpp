@@ -39,7 +39,8 @@ struct ShownCase {
 
 std::vector<ShownCase> shown_cases() {
   ShownCase plain{"plain"}, amplitude{"amplitudes"}, complex{"complex"}, errors{"all effects in tilted light"},
-      fine{"three samples per pixel"}, state{"another state of light that flickers"};
+      fine{"three samples per pixel"}, state{"another state of light that flickers"},
+      crystal{"the second polarisation of a twisted crystal"};
   amplitude.slm.modulation = Modulation::amplitude;
   complex.slm.modulation = Modulation::complex;
   for (ShownCase* one : {&errors, &fine, &state}) {
@@ -59,7 +60,11 @@ std::vector<ShownCase> shown_cases() {
   fine.params.beam_radius = 2e-4;
   state.state.wavelength = 540e-9;
   state.state.flicker = 0.7;
-  return {plain, amplitude, complex, errors, fine, state};
+  crystal.slm.effects.crystal = Crystal{.twist = 1, .polariser = 0.3};
+  crystal.slm.effects.gap_amplitude = 0.2;
+  crystal.params.effects = {"all"};
+  crystal.state.polarisation = 1;
+  return {plain, amplitude, complex, errors, fine, state, crystal};
 }
 
 class ShowDevices : public test::StagesOnDevices {

@@ -288,9 +288,10 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(devices("device", p.device,
             "computes the hologram (error-diffusion: the processor only; opencl:all: for sgd only, whose frames the "
             "devices share)"));
-  v(texts("effects", p.effects,
-          "panel effects that the encoding compensates: calibration, aberration, phase-map, light-map; with sgd all "
-          "but flicker; all; or none; empty: the first four, as far as the panel's own file has them"));
+  v(texts(
+      "effects", p.effects,
+      "panel effects that the encoding compensates: calibration, crystal, aberration, phase-map, light-map; with sgd "
+      "all but flicker; all; or none; empty: the first five, as far as the panel's own file has them"));
 }
 
 /// The eyes of an encoding. @throws Error  unless there are three lengths for each, and z is above 0

@@ -38,6 +38,7 @@ std::string metadata_text(const nlohmann::json& json, const std::string& path, c
 
 inline std::initializer_list<Choice<ImageSide>> names_for(ImageSide) { return image_side_names; }
 inline std::initializer_list<Choice<Modulation>> names_for(Modulation) { return modulation_names; }
+inline std::initializer_list<Choice<CrystalPass>> names_for(CrystalPass) { return crystal_pass_names; }
 
 /// An archive that writes the members with keys into `json`, and leaves out objects without members.
 class MetadataWriter {

@@ -35,7 +35,11 @@ struct Columns {
   bool has_amplitude = false;
 };
 
-Columns read_headings(const std::vector<std::string>& names, const std::string& place) {
+// What the table holds for each level: a phase that never falls, and an amplitude; or a delay.
+enum class TableOf { phases, delays };
+
+Columns read_headings(const std::vector<std::string>& names, TableOf kind, const std::string& place) {
+  const std::string what = kind == TableOf::delays ? "delay" : "phase";
   Columns columns;
   columns.count = names.size();
   bool has_level = false, has_phase = false;
@@ -44,20 +48,21 @@ Columns read_headings(const std::vector<std::string>& names, const std::string& 
     if (name == "level" || name == "grey" || name == "gray") {
       columns.level = i;
       has_level = true;
-    } else if (name == "phase" || name == "phase_rad" || name == "phase_pi" || name == "phase_deg") {
+    } else if (name == what || name == what + "_rad" || name == what + "_pi" || name == what + "_deg") {
       columns.phase = i;
-      columns.radians = name == "phase_pi" ? pi : name == "phase_deg" ? pi / 180 : 1;
+      columns.radians = name == what + "_pi" ? pi : name == what + "_deg" ? pi / 180 : 1;
       has_phase = true;
-    } else if (name == "amplitude") {
+    } else if (name == "amplitude" && kind == TableOf::phases) {
       columns.amplitude = i;
       columns.has_amplitude = true;
     } else {
-      throw Error(place + unknown_name_message("column", name,
-                                               {"level", "grey", "phase_rad", "phase_pi", "phase_deg", "amplitude"}));
+      std::vector<std::string> known{"level", "grey", what + "_rad", what + "_pi", what + "_deg"};
+      if (kind == TableOf::phases) known.emplace_back("amplitude");
+      throw Error(place + unknown_name_message("column", name, known));
     }
   }
-  require(has_level && has_phase, "{}expected the headings level and phase_rad (or phase_pi, phase_deg), got \"{}\"",
-          place, fmt::format("{}", fmt::join(names, ",")));
+  require(has_level && has_phase, "{0}expected the headings level and {1}_rad (or {1}_pi, {1}_deg), got \"{2}\"", place,
+          what, fmt::format("{}", fmt::join(names, ",")));
   return columns;
 }
 
@@ -74,9 +79,7 @@ struct Row {
   CalibrationPoint point;
 };
 
-}  // namespace
-
-std::vector<CalibrationPoint> load_calibration(const std::string& path, int levels) {
+std::vector<CalibrationPoint> load_table(const std::string& path, TableOf kind, int levels) {
   check_file_exists(path, "a calibration");
   const std::string text = read_lines(path);
   std::string_view rest = text, line;
@@ -90,7 +93,7 @@ std::vector<CalibrationPoint> load_calibration(const std::string& path, int leve
     if (cells.empty()) continue;
     place = fmt::format("{}:{}: ", path, number);
     if (columns.count == 0) {
-      columns = read_headings(cells, place);
+      columns = read_headings(cells, kind, place);
       continue;
     }
     require(cells.size() == columns.count, "{}expected {} values, as there are headings, got {}", place, columns.count,
@@ -103,7 +106,7 @@ std::vector<CalibrationPoint> load_calibration(const std::string& path, int leve
             row.level);
     require(rows.empty() || row.level > rows.back().level, "{}expected levels in rising order, got {} after {}", place,
             row.level, rows.empty() ? 0 : rows.back().level);
-    require(rows.empty() || row.point.phase >= rows.back().point.phase,
+    require(rows.empty() || kind == TableOf::delays || row.point.phase >= rows.back().point.phase,
             "{}expected a calibration whose phase never falls, got {:.6g} rad after {:.6g} rad; write a phase "
             "that wraps as values above 2π",
             place, row.point.phase, rows.empty() ? 0 : rows.back().point.phase);
@@ -126,6 +129,18 @@ std::vector<CalibrationPoint> load_calibration(const std::string& path, int leve
                       a.point.amplitude + t * (b.point.amplitude - a.point.amplitude)});
   }
   return points;
+}
+
+}  // namespace
+
+std::vector<CalibrationPoint> load_calibration(const std::string& path, int levels) {
+  return load_table(path, TableOf::phases, levels);
+}
+
+std::vector<double> load_delays(const std::string& path, int levels) {
+  std::vector<double> delays;
+  for (const CalibrationPoint& point : load_table(path, TableOf::delays, levels)) delays.push_back(point.phase);
+  return delays;
 }
 
 }  // namespace holotrace

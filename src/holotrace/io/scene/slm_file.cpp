@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string_view>
 
 #include "holotrace/base/error.h"
@@ -77,6 +78,89 @@ std::vector<DeadPixel> read_dead_pixels(TomlTable& table) {
   return pixels;
 }
 
+// Delays of L levels as those of M levels, as with_levels does.
+std::vector<double> delays_with_levels(const std::vector<double>& delays, int levels) {
+  std::vector<CalibrationPoint> points;
+  for (const double delay : delays) points.push_back({delay, 1});
+  std::vector<double> out;
+  for (const CalibrationPoint& point : with_levels(points, levels)) out.push_back(point.phase);
+  return out;
+}
+
+// An axis "45 deg", or "none".
+void read_axis(TomlTable& table, const char* key, std::optional<double>& axis) {
+  if (!table.has(key)) return;
+  double angle = 0;
+  const bool is_none = table.find(key)->value_exact<std::string>() == "none";
+  if (!is_none) table.angle(key, angle, range::any);
+  axis = is_none ? std::nullopt : std::optional(angle);
+}
+
+void read_plates(TomlTable& table, const char* key, std::vector<WavePlate>& plates) {
+  if (!table.has(key)) return;
+  const toml::node* node = table.find(key);
+  const char* expected = "a list of wave plates [{ axis = \"45 deg\", delay = \"90 deg\" }, …]";
+  if (!node->is_array()) table.fail_kind(key, expected, *node);
+  plates.clear();
+  for (const toml::node& item : *node->as_array()) {
+    const toml::table* plate = item.as_table();
+    if (!plate) table.fail_kind(key, expected, item);
+    for (auto&& [name, value] : *plate)
+      if (name != "axis" && name != "delay")
+        throw Error(table.place(name.source()) +
+                    unknown_name_message("key", std::string(name.str()), {"axis", "delay"}));
+    const auto axis = (*plate)["axis"].value_exact<std::string>(), delay = (*plate)["delay"].value_exact<std::string>();
+    if (!axis || !delay) table.fail_kind(key, expected, item);
+    try {
+      plates.push_back({parse_angle(*axis), parse_angle(*delay)});
+    } catch (const Error& e) {
+      throw Error(table.place(item.source()) + e.what());
+    }
+  }
+}
+
+void read_delays(TomlTable& table, int levels, std::vector<double>& delays) {
+  std::string file;
+  double first = 0, last = 0;
+  table.text("delays", file);
+  table.angle("first_delay", first, range::any);
+  table.angle("last_delay", last, range::any);
+  const bool has_ends = table.has("first_delay") || table.has("last_delay");
+  require(file.empty() || !has_ends, "{}expected either \"delays\", or \"first_delay\" and \"last_delay\", got both",
+          table.where("delays"));
+  if (!file.empty()) table.locate("delays", [&] { delays = load_delays(table.beside("delays", file), levels); });
+  if (!has_ends) return;
+  require(table.has("last_delay"),
+          "{}expected \"last_delay\", the delay that the level {} would have, beside \"first_delay\"",
+          table.where("first_delay"), levels);
+  delays.clear();
+  for (int level = 0; level < levels; ++level) delays.push_back(first + (last - first) * level / levels);
+}
+
+// Reads the crystal, the polarisers and the wave plates, over those of the preset.
+void read_crystal(TomlTable& table, Slm& slm, bool has_new_levels) {
+  const bool is_here = table.has("crystal") || table.has("polariser") || table.has("analyser") ||
+                       table.has("plates_before") || table.has("plates_behind");
+  std::optional<Crystal>& known = slm.effects.crystal;
+  if (!is_here && !known) return;
+  const bool is_new = !known;
+  Crystal crystal = known.value_or(Crystal());
+  if (has_new_levels) crystal.delays = delays_with_levels(crystal.delays, slm.levels);
+  if (std::optional<TomlTable> own = table.table("crystal", "twist = \"45 deg\"")) {
+    own->choice("kind", crystal.pass, crystal_pass_names);
+    own->angle("director", crystal.director, range::any);
+    own->angle("twist", crystal.twist, range::any);
+    read_delays(*own, slm.levels, crystal.delays);
+    own->refuse_unknown_keys();
+  }
+  if (is_new) crystal.polariser = crystal.director;
+  read_axis(table, "polariser", crystal.polariser);
+  read_axis(table, "analyser", crystal.analyser);
+  read_plates(table, "plates_before", crystal.plates_before);
+  read_plates(table, "plates_behind", crystal.plates_behind);
+  known = crystal;
+}
+
 // The numbers in an image times `range`.
 std::shared_ptr<const Array2D<float>> load_map(const std::string& path, double range) {
   const Image image = load_image(path, ImageContent::data);
@@ -116,6 +200,8 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels) {
   table.count("dead_seed", effects.dead_seed, range::not_negative);
   if (table.has("dead_pixels")) effects.dead_pixels = read_dead_pixels(table);
 
+  read_crystal(table, slm, has_new_levels);
+
   std::vector<std::string>& own = slm.own_effects;
   const auto add_if = [&](bool is_here, const char* name) {
     if (is_here && std::find(own.begin(), own.end(), name) == own.end()) own.push_back(name);
@@ -128,6 +214,7 @@ void read_effects(TomlTable& table, Slm& slm, bool has_new_levels) {
   add_if(has_any({"phase_map", "phase_map_range"}), "phase-map");
   add_if(has_any({"light_map"}), "light-map");
   add_if(has_any({"dead_fraction", "dead_seed", "dead_pixels"}), "dead-pixels");
+  add_if(has_any({"crystal", "polariser", "analyser", "plates_before", "plates_behind"}), "crystal");
   const std::vector<std::string> on = effects_of(slm);  // a value of 0 turns an effect off
   std::erase_if(own, [&](const std::string& name) { return std::find(on.begin(), on.end(), name) == on.end(); });
 }

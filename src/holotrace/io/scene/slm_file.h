@@ -46,4 +46,7 @@ Slm read_slm(TomlTable table, const std::string& preset);
 ///                 phase that falls, an amplitude outside [0, 1], and text that is not a number
 std::vector<CalibrationPoint> load_calibration(const std::string& path, int levels);
 
+/// The same for the delays of a crystal [rad], which may rise and fall: columns `level`, and `delay_rad`, `delay_pi` or `delay_deg`.
+std::vector<double> load_delays(const std::string& path, int levels);
+
 }  // namespace holotrace

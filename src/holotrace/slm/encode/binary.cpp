@@ -60,7 +60,7 @@ void encode_binary(const ShownPixels<AnyField>& shown, const PhaseLevels& levels
   const bool is_phase = hologram.modulation == Modulation::phase;
   const uint16_t high = uint16_t(is_phase ? levels.level_of(-1, 0) : hologram.levels - 1);
   BinaryPair pair{high, 0};
-  if (is_phase) pair = {0, high};  // phase 0 is the value +1 of ±1
+  if (is_phase) pair = {uint16_t(levels.level_of(1, 0)), high};  // phase 0 is the value +1 of ±1
   write_binary_levels(shown, reference_wave(carrier, hologram.grid, shown.is_conjugate), pair, hologram.level);
   const double efficiency = (is_phase ? 4 : 1) / (pi * pi);
   const ModulusMoments& moments = shown.moments;

@@ -28,7 +28,8 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
           "expected an encoding for a panel that modulates only phase or only amplitude, as \"{}\" is, got "
           "\"{}\"; use \"double-phase\" or \"off-axis\", or a panel whose modulation is complex",
           slm.name, name);
-  if (modulation == Modulation::amplitude && slm.modulation == Modulation::phase)
+  if (modulation == Modulation::amplitude && slm.modulation == Modulation::phase &&
+      !known_panel(slm, params).effects.crystal)
     observer.warn(
         fmt::format("the SLM \"{}\" modulates phase and the encoding \"{}\" amplitude: it is shown as if "
                     "behind a crossed polariser that turns phase into amplitude",
@@ -37,6 +38,7 @@ void check_panel(const Slm& slm, const EncodeParams& params, const Observer& obs
 
 bool can_allow_for(const std::string& effect, const EncodeParams& params, const Slm& slm) {
   if (params.method == Encoding::sgd) return effect != "flicker";
+  if (effect == "crystal") return true;
   if (effect == "calibration") return modulation_of(params, slm) != Modulation::amplitude;
   if (effect == "aberration" || effect == "phase-map") return traits_of(params.method).keeps_phase;
   return effect == "light-map" && traits_of(params.method).keeps_modulus;
@@ -88,7 +90,8 @@ Slm known_panel(const Slm& slm, const EncodeParams& params) {
   if (!params.effects.empty()) return with_effects(slm, params.effects);
   std::vector<std::string> names = slm.own_effects;
   std::erase_if(names, [](const std::string& name) {
-    return name != "calibration" && name != "aberration" && name != "phase-map" && name != "light-map";
+    return name != "calibration" && name != "crystal" && name != "aberration" && name != "phase-map" &&
+           name != "light-map";
   });
   return with_effects(slm, names);
 }

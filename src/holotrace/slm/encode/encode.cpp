@@ -76,8 +76,17 @@ Begun begin_hologram(const Field& head, const Slm& slm, const EncodeParams& para
   Hologram hologram = blank_hologram(head, slm, params, observer);
   const Slm known = known_panel(slm, params);
   PhaseLevels levels(known, hologram.levels, head.wavelength);
-  if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels.range(), head.wavelength, observer);
+  if (hologram.modulation != Modulation::amplitude) tell_phase_range(known, levels, head.wavelength, observer);
   return {std::move(hologram), std::move(levels), factors_for_panel(known, params, head.wavelength)};
+}
+
+// Levels that show even steps of amplitude on a panel whose crystal shows other ones.
+void fit_amplitudes(const Slm& known, const Observer& observer, Hologram& hologram) {
+  if (!known.effects.crystal || hologram.modulation != Modulation::amplitude) return;
+  const double stretch = known.design_wavelength > 0 ? known.design_wavelength / hologram.wavelength : 1;
+  const AmplitudeTable table = amplitude_table(known, hologram.levels, stretch);
+  tell_amplitude_range(known, table.amplitudes, observer);
+  for (uint16_t& level : hologram.level.values) level = uint16_t(table.level_of_step[level]);
 }
 
 }  // namespace
@@ -101,6 +110,7 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   }
   check_encoding(slm, params, observer);
   const auto finished = [&](Hologram hologram) {
+    fit_amplitudes(known_panel(slm, params), observer, hologram);
     observer.fact("illumination", Fact(hologram.illumination));
     observer.progress(1);
     return hologram;
@@ -109,10 +119,10 @@ Hologram encode(const PlacedField& field, const Slm& slm, const EncodeParams& gi
   Begun begun = begin_hologram(head, slm, params, observer);
   const bool needs_processor = begun.needs_processor(params);
   if (needs_processor && params.device.kind == DeviceKind::opencl)
-    observer.warn(
-        fmt::format("the hologram is encoded on the processor, not on the OpenCL device, because the SLM \"{}\" has a "
-                    "calibration, a wavefront error or a light map; use the device cpu, or [encode] effects = none",
-                    slm.name));
+    observer.warn(fmt::format(
+        "the hologram is encoded on the processor, not on the OpenCL device, because the SLM \"{}\" has a "
+        "calibration, a crystal, a wavefront error or a light map; use the device cpu, or [encode] effects = none",
+        slm.name));
   if (traits_of(params.method).is_pointwise && !needs_processor) {
     Observer of_faults;  // the device is told if it has encoded
     of_faults.on_warning = observer.on_warning;
@@ -237,7 +247,7 @@ Hologram encode_targets(const std::vector<TargetPlane>& targets, const Field& st
   const Slm known = known_panel(slm, params);
   const PhaseLevels levels(known, frames.front().levels, start.wavelength);
   const bool is_amplitude = frames.front().modulation == Modulation::amplitude;
-  if (!is_amplitude) tell_phase_range(known, levels.range(), start.wavelength, observer);
+  if (!is_amplitude) tell_phase_range(known, levels, start.wavelength, observer);
   const auto pattern = [&] { return start_pattern(start, params, frames.front().modulation); };
   if (params.method == Encoding::sgd || !last.empty()) {
     if (last.empty() || !find_next({targets}, known, params, observer, frames, last, nullptr)) {
@@ -270,8 +280,7 @@ std::vector<Hologram> encode_frames(const TargetSet& targets, double wavelength,
     holograms.push_back(blank_hologram(blank, slm, params, frame == 0 ? observer : Observer{}));
   }
   const PhaseLevels levels(known, holograms.front().levels, wavelength);
-  if (holograms.front().modulation != Modulation::amplitude)
-    tell_phase_range(known, levels.range(), wavelength, observer);
+  if (holograms.front().modulation != Modulation::amplitude) tell_phase_range(known, levels, wavelength, observer);
   if (has_dark_targets) {
     for (Hologram& hologram : holograms) {
       Field blank(slm.grid, wavelength);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -18,15 +19,16 @@ namespace holotrace {
 PhaseLevels::PhaseLevels(const Slm& known, int levels, double wavelength) : levels_(levels) {
   const double stretch = known.design_wavelength > 0 ? known.design_wavelength / wavelength : 1;
   range_ = stretch * known.phase_range / (2 * pi);
-  if (!known.effects.calibration.empty()) {
+  if (!known.effects.calibration.empty() || known.effects.crystal) {
     table_.emplace(known, levels, stretch);
     range_ = table_->range() * levels / (levels - 1.0);
   }
   Slm errors = known;
   errors.effects.light_map = nullptr;
   static_errors_ = static_phasors(errors, stretch);
-  for (int level = 0; level < levels; ++level)
-    phasors_.push_back(cis_cycles(table_ ? table_->cycles_of(level) : range_ * level / levels));
+  if (table_) phasors_ = table_->light();
+  for (int level = int(phasors_.size()); level < levels; ++level)
+    phasors_.push_back(cis_cycles(range_ * level / levels));
 }
 
 int PhaseLevels::level_of(double real, double imaginary) const {
@@ -79,8 +81,39 @@ std::string advice_on(const Slm& slm, double range, double wavelength) {
 
 }  // namespace
 
-void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer) {
+namespace {
+
+void warn_of_dark_panel(const Slm& slm, const Observer& observer) {
+  observer.warn(
+      fmt::format("no light leaves the SLM \"{}\" at any level: turn its polariser or its analyser", slm.name));
+}
+
+void tell_coupled(const Slm& slm, const LevelTable& table, const Observer& observer) {
+  observer.fact("modulation_efficiency", Fact(table.efficiency()));
+  observer.fact("modulation_purity", Fact(table.purity()));
+  if (table.efficiency() == 0)
+    warn_of_dark_panel(slm, observer);
+  else if (table.purity() < 0.9)
+    observer.warn(fmt::format(
+        "the levels of the SLM \"{}\" do not show every phase at an even amplitude: {:.3g} % of the light that leaves "
+        "shows the hologram, and the rest disturbs it; turn the polariser or the analyser, give the crystal a longer "
+        "delay, or use the method sgd",
+        slm.name, 100 * table.purity()));
+}
+
+}  // namespace
+
+void tell_amplitude_range(const Slm& slm, const std::vector<double>& amplitudes, const Observer& observer) {
+  const auto [least, most] = std::minmax_element(amplitudes.begin(), amplitudes.end());
+  observer.fact("amplitude_least", Fact(*least));
+  observer.fact("amplitude_most", Fact(*most));
+  if (*most < 1e-3) warn_of_dark_panel(slm, observer);
+}
+
+void tell_phase_range(const Slm& slm, const PhaseLevels& levels, double wavelength, const Observer& observer) {
+  const double range = levels.range();
   observer.fact("phase_range", Fact(2 * pi * range));
+  if (slm.effects.crystal) return tell_coupled(slm, *levels.table(), observer);
   if (!slm.effects.calibration.empty()) observer.fact("calibrated", Fact(std::string("yes")));
   if (range < 1 - 1e-6)
     observer.warn(

@@ -14,7 +14,7 @@
 namespace holotrace {
 
 /// Conversion between phases and levels of a panel at one wavelength: the level nearest to a phase, and the phase that
-/// a level shows. Steps are even, or those of the panel's calibration if it is known. Where static errors of the phase are
+/// a level shows. Steps are even, or those of the panel's calibration or crystal if it is known. Where static errors of the phase are
 /// known (aberration, phase map), levels of pixels show the phase less that error.
 class PhaseLevels {
  public:
@@ -39,10 +39,13 @@ class PhaseLevels {
   /// Number of levels M.
   int count() const { return levels_; }
 
-  /// Whether the levels are those of a calibration, whose steps are not even, or depend on the pixel.
+  /// Whether the levels are those of a calibration or crystal, whose steps are not even, or depend on the pixel.
   bool has_table() const { return table_.has_value() || static_errors_.size() > 0; }
 
-  /// exp(iφ) for each level.
+  /// Their table, if they are.
+  const LevelTable* table() const { return table_ ? &*table_ : nullptr; }
+
+  /// exp(iφ) for each level; with a crystal its light relative to such a phasor (LevelTable::light).
   const std::vector<std::complex<double>>& phasors() const { return phasors_; }
 
   /// Phase range from the lowest to the highest phase that can be shown, plus one step [turns].
@@ -58,8 +61,12 @@ class PhaseLevels {
 
 /// Reports the phase range of a panel (fact `phase_range` [rad]) and whether the levels use its calibration (fact
 /// `calibrated`). Warns if the range is short of 2π, with advice for its cause: the design wavelength, the panel's
-/// phase range or its calibration.
-void tell_phase_range(const Slm& slm, double range, double wavelength, const Observer& observer);
+/// phase range or its calibration. With a crystal, reports instead how much of the light on the panel shows the phases (fact
+/// `modulation_efficiency`), and of the light that leaves in this polarisation (fact `modulation_purity`), and warns if that is little.
+void tell_phase_range(const Slm& slm, const PhaseLevels& levels, double wavelength, const Observer& observer);
+
+/// The same of a crystal that shows amplitudes: facts `amplitude_least` and `amplitude_most`. Warns of a panel that is dark at all levels.
+void tell_amplitude_range(const Slm& slm, const std::vector<double>& amplitudes, const Observer& observer);
 
 /// The level nearest to the phase of each sample, or of its conjugate.
 void write_phase_levels(const Array2D<std::complex<float>>& samples, bool is_conjugate, const PhaseLevels& levels,

@@ -13,6 +13,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/params/parameter.h"
+#include "holotrace/slm/panel/crystal.h"
 
 namespace holotrace {
 namespace {
@@ -46,6 +47,21 @@ void centre(std::vector<IlluminationState>& all, double IlluminationState::*valu
   double sum = 0;
   for (const IlluminationState& state : all) sum += state.*value - middle;
   for (IlluminationState& state : all) state.*value -= sum / double(all.size());
+}
+
+// Every state once for each component of the polarisation that leaves the panel.
+std::vector<IlluminationState> with_polarisations(const Slm& slm, double wavelength,
+                                                  const std::vector<IlluminationState>& instants) {
+  if (!slm.effects.crystal) return instants;
+  const double design = slm.design_wavelength > 0 ? slm.design_wavelength : wavelength;
+  const std::vector<int> components = polarisation_components(slm, design / wavelength);
+  std::vector<IlluminationState> all;
+  for (const IlluminationState& instant : instants)
+    for (const int component : components) {
+      all.push_back(instant);
+      all.back().polarisation = component;
+    }
+  return all;
 }
 
 }  // namespace
@@ -88,7 +104,7 @@ std::vector<IlluminationState> illumination_states(const Slm& slm, const ShowPar
     require(state.wavelength > 0,
             "expected a bandwidth much smaller than the wavelength {}, got {}: its spectrum reaches 0 m",
             format_length(wavelength), format_length(params.bandwidth));
-  return all;
+  return with_polarisations(slm, wavelength, all);
 }
 
 namespace {

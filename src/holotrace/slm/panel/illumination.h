@@ -17,14 +17,17 @@ struct IlluminationState {
   double wavelength = 0;          ///< [m]
   double tilt_x = 0, tilt_y = 0;  ///< tilt of the light from the panel's axis [rad]
   double flicker = 0;             ///< instantaneous value of the phase ripple, in [−1, 1]
-  double weight = 1;              ///< weight of its irradiance; the weights of all states sum to 1
+  double weight = 1;              ///< weight of its irradiance; those of one polarisation sum to 1
   SourcePart source{};            ///< the part of an extended source that this direction stands for
+  int polarisation = 0;           ///< component of the polarisation (crystal.h): 0 is the one with the most modulation
 };
 
 /// The illumination states whose irradiances are averaged for a partly coherent source or a panel that flickers. They
 /// are `params.illumination_states` points of a low-discrepancy sequence over the spectrum (a Gaussian), the source (a
 /// disc) and the period of the ripple (a sinusoid). They have equal weights, and the mean wavelength and tilt of the
 /// source. Each stands for the part of the source nearest to its direction. Coherent light without flicker: one state.
+/// Polarisations that leave the panel and do not interfere (CrystalResponse::components) are states of their own, of the
+/// same weight each; those of one instant follow each other.
 /// The number needed depends on where the light goes: see plan_illumination (run/illumination_plan.h); 0 means 16.
 ///
 /// @param slm         the panel with the effects that are on (with_effects)

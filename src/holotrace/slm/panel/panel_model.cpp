@@ -99,6 +99,12 @@ const Slm& checked(const Slm& slm, const ShowParams& params, int levels, const P
   return slm;
 }
 
+// The crystal over gaps is taken as that of a pixel at level 0.
+std::complex<float> gap_light(const SlmEffects& effects, const PixelResponse& response) {
+  const std::complex<float> gap = std::polar(float(effects.gap_amplitude), float(effects.gap_phase));
+  return effects.crystal ? gap * std::complex<float>(response.light_at(0)) : gap;
+}
+
 double stretch_of(double design, const IlluminationState& m) {
   check_wavelength(m.wavelength);
   return design > 0 ? design / m.wavelength : 1;
@@ -114,7 +120,7 @@ PanelModel::Parts::Parts(const Slm& panel, const ShowParams& p, Modulation modul
       levels(levels_),
       state(m),
       out{p.subpixels * panel.grid.nx, p.subpixels * panel.grid.ny, panel.grid.pitch / p.subpixels},
-      response(slm, modulation, levels, stretch_of(design, m), slm.effects.flicker * m.flicker),
+      response(slm, modulation, levels, stretch_of(design, m), slm.effects.flicker * m.flicker, m.polarisation),
       has_crosstalk(slm.effects.crosstalk > 0),
       expansion(e),
       points(e.points, e.terms),
@@ -123,7 +129,7 @@ PanelModel::Parts::Parts(const Slm& panel, const ShowParams& p, Modulation modul
       column(panel.grid.ny, p.subpixels, e.terms, slm.lit_y(), 1),
       light(illuminate(out, p, m)),
       static_errors(static_phasors(slm, stretch_of(design, m))),
-      gap(std::polar(float(slm.effects.gap_amplitude), float(slm.effects.gap_phase))),
+      gap(gap_light(slm.effects, response)),
       stuck(stuck_pixels(slm)) {
   for (int j = 0; j <= slm.grid.ny; ++j)
     stuck_of_row.push_back(size_t(std::lower_bound(stuck.begin(), stuck.end(), int64_t(j) * slm.grid.nx,

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include "holotrace/base/cycles.h"
+#include "holotrace/base/threads.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/panel/checks.h"
+#include "holotrace/slm/panel/crystal.h"
 
 namespace holotrace {
 namespace {
@@ -14,22 +19,32 @@ float wrap(double cycles) {
   return float(cycles - ((cycles + magic) - magic));
 }
 
+double part_along(std::complex<double> a, std::complex<double> b) { return a.real() * b.real() + a.imag() * b.imag(); }
+
 }  // namespace
 
-PixelResponse::PixelResponse(const Slm& slm, Modulation modulation, int levels, double stretch, double ripple) {
+PixelResponse::PixelResponse(const Slm& slm, Modulation modulation, int levels, double stretch, double ripple,
+                             int polarisation) {
   const bool shows_phase = modulation != Modulation::amplitude;
   const std::vector<CalibrationPoint>& points = slm.effects.calibration;
   const double turns = stretch * (1 + ripple);
   has_phase_ = shows_phase;
   has_amplitude_ = !shows_phase;
-  if (!points.empty() && (shows_phase || slm.modulation == Modulation::amplitude)) {
+  const bool has_crystal = slm.effects.crystal.has_value();
+  if (has_crystal || (!points.empty() && (shows_phase || slm.modulation == Modulation::amplitude))) {
     has_phase_ = has_amplitude_ = true;
-    for (int level = 0; level <= levels; ++level) {
-      const double place = shows_phase ? double(level) * slm.levels / levels
-                                       : std::min(1.0, double(level) / (levels - 1)) * (slm.levels - 1);
-      const CalibrationPoint point = calibration_at(points, place);
-      knots_.push_back({turns * point.phase / (2 * pi), point.amplitude, 0, 0});
-    }
+    std::vector<double> places;
+    for (int level = 0; level <= levels; ++level)
+      places.push_back(shows_phase ? double(level) * slm.levels / levels
+                                   : std::min(1.0, double(level) / (levels - 1)) * (slm.levels - 1));
+    if (has_crystal)
+      for (const CalibrationPoint& point : crystal_response(slm, places, stretch, ripple, polarisation))
+        knots_.push_back({point.phase / (2 * pi), point.amplitude, 0, 0});
+    else
+      for (const double place : places) {
+        const CalibrationPoint point = calibration_at(points, place);
+        knots_.push_back({turns * point.phase / (2 * pi), point.amplitude, 0, 0});
+      }
     for (size_t k = 0; k + 1 < knots_.size(); ++k) {
       knots_[k].cycles_slope = knots_[k + 1].cycles - knots_[k].cycles;
       knots_[k].amplitude_slope = knots_[k + 1].amplitude - knots_[k].amplitude;
@@ -62,6 +77,13 @@ double PixelResponse::cycles_at(double drive) const {
   return knot.cycles + drive * knot.cycles_slope;
 }
 
+std::complex<double> PixelResponse::light_at(double drive) const {
+  const double cycles = cycles_at(drive);
+  if (knots_.empty()) return (has_amplitude_ ? amplitude_per_level_ * drive : 1) * cis_cycles(cycles);
+  const Knot& knot = knot_at(drive);
+  return (knot.amplitude + drive * knot.amplitude_slope) * cis_cycles(cycles);
+}
+
 void PixelResponse::wrapped_cycles(const float* drive, int count, float* to) const {
   if (knots_.empty()) {
     for (int i = 0; i < count; ++i) to[i] = wrap(cycles_per_level_ * drive[i]);
@@ -90,23 +112,97 @@ void PixelResponse::pull_back(const float* drive, int count, const float* of_cyc
   }
 }
 
-LevelTable::LevelTable(const Slm& slm, int levels, double stretch) : cycles_(size_t(levels)) {
+LevelTable::LevelTable(const Slm& slm, int levels, double stretch) {
   check_levels(levels);
   const PixelResponse response(slm, Modulation::phase, levels, stretch, 0);
-  double first = 0, last = 0;
+  double lowest = 0, highest = 0, dimmest = 1, brightest = 0;
   for (int level = 0; level < levels; ++level) {
     const double cycles = response.cycles_at(level);
-    (level == 0 ? first : last) = cycles;
-    cycles_[size_t(level)] = cycles - std::floor(cycles);
-    sorted_.push_back({cycles_[size_t(level)], level});
+    lowest = level == 0 ? cycles : std::min(lowest, cycles);
+    highest = level == 0 ? cycles : std::max(highest, cycles);
+    double shown = cycles - std::floor(cycles);
+    light_.push_back(cis_cycles(shown));
+    if (slm.effects.crystal) {
+      light_.back() = response.light_at(level);
+      shown = std::arg(light_.back()) / (2 * pi);  // of an amplitude of either sign
+      shown -= std::floor(shown);
+      dimmest = std::min(dimmest, std::abs(light_.back()));
+      brightest = std::max(brightest, std::abs(light_.back()));
+    }
+    sorted_.push_back({shown, level});
   }
-  range_ = last - first;
+  range_ = highest - lowest;
   std::sort(sorted_.begin(), sorted_.end(), [](const Shown& a, const Shown& b) {
     return a.cycles < b.cycles || (a.cycles == b.cycles && a.level < b.level);
   });
+  if (slm.effects.crystal) weigh(brightest - dimmest > 1e-9 * brightest);
+}
+
+// The gain, the nearest level for each of evenly spaced phases, and how much of the light shows them. Of more than 1024 levels
+// some are enough for that; the others are looked at in the end.
+void LevelTable::weigh(bool are_coupled) {
+  constexpr int phases = 4096;
+  const int stride = (levels() + 1023) / 1024;
+  nearest_.assign(phases, 0);
+  for (int round = 0; round < 8; ++round) {
+    parallel_for(0, phases, [&](int64_t i) {
+      // The first round does not know the gain yet, and takes the level with the most light along the phase.
+      const std::complex<double> wanted = cis_cycles(double(i) / phases);
+      double best = -std::numeric_limits<double>::infinity();
+      for (int level = 0; level < levels(); level += stride) {
+        const double score = round == 0 ? part_along(light_[size_t(level)], wanted) : closeness(level, wanted);
+        if (score <= best) continue;
+        best = score;
+        nearest_[size_t(i)] = level;
+      }
+    });
+    double along = 0, square = 0;
+    for (int i = 0; i < phases; ++i) {
+      const std::complex<double> t = light_[size_t(nearest_[size_t(i)])];
+      along += part_along(t, cis_cycles(double(i) / phases)) / phases;
+      square += std::norm(t) / phases;
+    }
+    if (!(along * gain_ > 1e-6)) {  // dark
+      efficiency_ = purity_ = 0;
+      break;
+    }
+    efficiency_ = std::pow(along * gain_, 2);
+    purity_ = along * along / square;
+    const double gain = square / along;
+    gain_ *= gain;
+    for (std::complex<double>& t : light_) t /= gain;
+  }
+  for (int i = 0; i < phases; ++i) {
+    int& level = nearest_[size_t(i)];
+    level = nearest_between(level - stride, level + stride, cis_cycles(double(i) / phases));
+  }
+  if (!are_coupled) nearest_.clear();
+}
+
+// The level from `first` to `last` whose light is nearest to a phasor.
+int LevelTable::nearest_between(int first, int last, std::complex<double> wanted) const {
+  int best = std::max(first, 0);
+  for (int level = best + 1; level <= std::min(last, levels() - 1); ++level)
+    if (closeness(level, wanted) > closeness(best, wanted)) best = level;
+  return best;
+}
+
+double LevelTable::closeness(int level, std::complex<double> wanted) const {
+  return 2 * part_along(light_[size_t(level)], wanted) - std::norm(light_[size_t(level)]);
+}
+
+int LevelTable::coupled_level_of(double cycles) const {
+  const std::complex<double> wanted = cis_cycles(cycles);
+  const double place = (cycles - std::floor(cycles)) * double(nearest_.size());
+  const size_t below = std::min(size_t(place), nearest_.size() - 1);
+  const auto [a, b] = std::minmax(nearest_[below], nearest_[(below + 1) % nearest_.size()]);
+  // Neighbours on the curve, and all levels between them; or a jump to another part of the curve.
+  if (b - a <= 256) return nearest_between(a, b, wanted);
+  return closeness(a, wanted) >= closeness(b, wanted) ? a : b;
 }
 
 int LevelTable::level_of(double cycles) const {
+  if (!nearest_.empty()) return coupled_level_of(cycles);
   cycles -= std::floor(cycles);
   const auto above = std::lower_bound(sorted_.begin(), sorted_.end(), cycles,
                                       [](const Shown& shown, double c) { return shown.cycles < c; });
@@ -117,6 +213,25 @@ int LevelTable::level_of(double cycles) const {
   const double off_next = around(next.cycles - cycles), off_before = around(before.cycles - cycles);
   if (off_next == off_before) return std::min(next.level, before.level);
   return off_next < off_before ? next.level : before.level;
+}
+
+AmplitudeTable amplitude_table(const Slm& slm, int levels, double stretch) {
+  const PixelResponse response(slm, Modulation::amplitude, levels, stretch, 0);
+  AmplitudeTable table;
+  for (int level = 0; level < levels; ++level) table.amplitudes.push_back(std::abs(response.light_at(level)));
+  const auto [darkest, brightest] = std::minmax_element(table.amplitudes.begin(), table.amplitudes.end());
+  const auto first = std::min(darkest, brightest), last = std::max(darkest, brightest);
+  std::vector<std::pair<double, int>> used;  // by amplitude
+  for (auto at = first; at <= last; ++at) used.emplace_back(*at, int(at - table.amplitudes.begin()));
+  std::sort(used.begin(), used.end());
+  for (int step = 0; step < levels; ++step) {
+    const double wanted = *brightest * step / (levels - 1);
+    auto nearest = std::lower_bound(used.begin(), used.end(), std::pair<double, int>(wanted, 0));
+    if (nearest == used.end() || (nearest != used.begin() && wanted - (nearest - 1)->first < nearest->first - wanted))
+      --nearest;
+    table.level_of_step.push_back(nearest->second);
+  }
+  return table;
 }
 
 }  // namespace holotrace

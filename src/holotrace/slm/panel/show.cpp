@@ -13,6 +13,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/slm/panel/checks.h"
+#include "holotrace/slm/panel/crystal.h"
 #include "holotrace/slm/panel/panel_field_by_device.h"
 #include "holotrace/slm/panel/panel_model.h"
 
@@ -43,7 +44,7 @@ void check_hologram(const Hologram& hologram, const Slm& slm) {
 }
 
 // Errors and warnings as in encode; encode has already warned of the hologram's own panel.
-void check_modulation(const Hologram& hologram, const Slm& slm, const Observer& observer) {
+void check_modulation(const Hologram& hologram, const Slm& slm, const Slm& with, const Observer& observer) {
   require(hologram.modulation != Modulation::phase || slm.modulation != Modulation::amplitude,
           "expected a hologram of amplitudes for the amplitude panel \"{}\", got one of phases; encode with "
           "\"amplitude\" or \"off-axis\", or show it on a phase panel",
@@ -54,7 +55,8 @@ void check_modulation(const Hologram& hologram, const Slm& slm, const Observer& 
       "encode with \"double-phase\" or \"off-axis\", or show it on a panel whose modulation is complex",
       slm.name);
   const bool was_told = hologram.slm && hologram.slm->modulation == Modulation::phase;
-  if (hologram.modulation == Modulation::amplitude && slm.modulation == Modulation::phase && !was_told)
+  if (hologram.modulation == Modulation::amplitude && slm.modulation == Modulation::phase && !was_told &&
+      !with.effects.crystal)
     observer.warn(
         fmt::format("the SLM \"{}\" modulates phase and the hologram amplitude: it is shown as if behind a crossed "
                     "polariser that turns phase into amplitude",
@@ -155,13 +157,14 @@ Shown ready_to_show(const Hologram& hologram, const Slm& slm, const ShowParams& 
                     const Observer& observer) {
   check_slm(slm);
   check_hologram(hologram, slm);
-  check_modulation(hologram, slm, observer);
+  const Slm with = with_effects_or_own(slm, params.effects);
+  check_modulation(hologram, slm, with, observer);
   check_light(params);
   if (hologram.levels > slm.levels)
     observer.warn(fmt::format("the hologram has {} levels and the SLM \"{}\" {}: it is shown as if it had {}",
                               hologram.levels, slm.name, slm.levels, hologram.levels));
   const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
-  Shown shown{{with_effects_or_own(slm, params.effects), params, hologram.modulation, hologram.levels, design, state},
+  Shown shown{{with, params, hologram.modulation, hologram.levels, design, state},
               drive_of(hologram.level),
               drive_of(hologram.modulus_level),
               hologram.modulation == Modulation::complex,
@@ -219,7 +222,14 @@ Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, c
 }
 
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer) {
+  check_slm(slm);
   const double wavelength = params.wavelength == 0 ? hologram.wavelength : params.wavelength;
+  const double design = slm.design_wavelength > 0 ? slm.design_wavelength : hologram.wavelength;
+  if (polarisation_components(with_effects_or_own(slm, params.effects), design / wavelength).size() > 1)
+    observer.warn(fmt::format(
+        "light of several polarisations leaves the SLM \"{}\", and a field holds only the one that the levels modulate "
+        "most; views add all of them; set an analyser for the field of another one",
+        slm.name));
   return show(hologram, slm, params, IlluminationState{wavelength, params.tilt_x, params.tilt_y}, observer);
 }
 

@@ -37,6 +37,9 @@ namespace holotrace {
 /// have, of amplitudes on a phase panel, and of levels that compensate other effects than those that are on. Cost: FFTs
 /// of every row of the panel and every column of the result; 8·n(n+1) bytes per pixel. Reference: J. W. Goodman,
 /// Introduction to Fourier Optics, 4th ed., 2017, section 2.4 (sampled fields).
+///
+/// A field is light of one polarisation. Where a crystal without analyser lets several leave (crystal.h), it is the one that the levels
+/// modulate most, and a warning says so; show_state gives each.
 Field show(const Hologram& hologram, const Slm& slm, const ShowParams& params, const Observer& observer = {});
 
 /// A field that leaves a panel, and the power of the light on the panel [W].

@@ -42,6 +42,7 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   levels_per_cycle_ = has_two_levels_ ? 0 : drive_of_turn(response, hologram.levels);
   const double cycles = response.cycles_at(hologram.levels) - response.cycles_at(0);
   levels_per_radian_ = response.has_phase() ? hologram.levels / (2 * pi * cycles) : hologram.levels - 1.0;
+  if (slm.effects.crystal) set_steps_of_crystal(response, hologram.levels);
   if (effects_of(slm).empty() && hologram.modulation == Modulation::phase && subpixels == 1) return;
   IlluminationState state;
   state.wavelength = wavelength;
@@ -55,6 +56,21 @@ DrivenPanel::DrivenPanel(const Slm& slm, const Hologram& hologram, double wavele
   };
   make(coarse_, PixelDetail::coarse);
   make(mean_, PixelDetail::mean);
+}
+
+// The levels of a crystal may differ in amplitude, and their phases may fall. A step is measured along the curve of their light, and
+// drives wrap only if the light comes back to where it was.
+void DrivenPanel::set_steps_of_crystal(const PixelResponse& response, int levels) {
+  double length = 0, largest = 0, off = 0;
+  const double turn = levels_per_cycle_;
+  for (int level = 0; level < levels; ++level) {
+    length += std::abs(response.light_at(level + 1) - response.light_at(level));
+    largest = std::max(largest, std::abs(response.light_at(level)));
+    if (level + turn <= levels)
+      off = std::max(off, std::abs(response.light_at(level + turn) - response.light_at(level)));
+  }
+  levels_per_radian_ = levels * largest / std::max(length, 1e-3 * largest + 1e-12);
+  if (off > 0.05 * largest) levels_per_cycle_ = 0;
 }
 
 const PanelModel* DrivenPanel::model(PixelDetail detail) const {

@@ -9,6 +9,7 @@
 #include "holotrace/slm/encode/iterate/target_propagation.h"
 #include "holotrace/slm/panel/panel_model.h"
 #include "holotrace/slm/panel/pixel_expansion.h"
+#include "holotrace/slm/panel/pixel_response.h"
 
 namespace holotrace {
 
@@ -81,6 +82,8 @@ class DrivenPanel {
                  const PanelDetail& detail = {}) const;
 
  private:
+  void set_steps_of_crystal(const PixelResponse& response, int levels);
+
   double cycles_per_level_, levels_per_cycle_, levels_per_radian_;
   bool has_two_levels_;
   std::optional<PanelModel> model_, coarse_, mean_;  // for each PixelDetail; the last two only with crosstalk
