@@ -273,7 +273,7 @@ std::vector<Hologram> moved_to_eye(std::vector<Hologram> last, const std::vector
   const double part = distance / (from.z + distance) / panel.pitch;
   const int right = int(std::lround((to.x - from.x) * part)), up = int(std::lround((to.y - from.y) * part));
   const Slm known = known_panel(job.slm, job.encode);
-  if (!known.effects.calibration.empty()) return last;
+  if (!known.effects.calibration.empty() || known.effects.crystal) return last;
   for (Hologram& hologram : last) {
     const bool stays_shown = job.encode.is_rolling && hologram.label.frame > 0;
     const double turn = DrivenPanel(known, hologram, hologram.wavelength, 1).levels_per_cycle();
