@@ -292,6 +292,52 @@ TEST(Media, AFlameShinesAsItsIntegral) {
   expect_near(seen(scene, 1024), Vec3{2, 3, 4} * (1 - std::exp(-1.0)), 0.04);  // 4·4·√(T(1 − T)/n)
 }
 
+// Particles and surroundings of one temperature: the light is the same everywhere, whatever is scattered. Every path brings 1.
+TEST(Media, AnEvenlyHotMediumCannotBeSeenInItsFurnace) {
+  Scene scene;
+  const double albedo = 0.6;
+  Medium& hot = add_medium(scene, {10, 10, 10}, {.albedo = Vec3{1, 1, 1} * albedo, .anisotropy = 0.3},
+                           Vec3{1, 1, 1} * (1 - albedo));
+  hot.is_open = true;
+  hot.box = MediumBox{{-0.1, -0.1, -0.4}, {0.1, 0.1, -0.2}};
+  scene.background = {1, 1, 1};
+  expect_near(seen(scene, 1024), {1, 1, 1}, 0.01);  // 4 standard errors of 64·1024 paths that vary by less than 0.6
+}
+
+// A background behind absorbing fog, by paths together and, with a clamp that nothing reaches, one by one.
+TEST(Media, TheBackgroundIsDimmedInEachColour) {
+  Scene scene;
+  const Vec3 extinction{1, 5, 10};
+  add_slab(scene, -0.4, -0.2, extinction, {.albedo = {0, 0, 0}});
+  scene.background = {1, 1, 1};
+  for (const double clamp : {0.0, 100.0}) {
+    RenderParams params{.columns = 8, .rows = 8, .paths = 4096};
+    params.field_of_view = small_field;
+    params.clamp = clamp;
+    expect_near(mean_colour(render(scene, media_panel, green_light, params)), exponential(extinction * -0.2), 0.011);
+  }
+}
+
+// A wall in absorbing fog, lit from the panel's side: dimmed on the way there and back. Lamps are small and far away, so that all ways
+// are 0.3 m and 0.3 m long up to 1 %, at σ = 2/m. The noise is that of paths which fly through: 4·√((1 − T)/(T·n)) = 0.01 for T = 0.55
+// and n = 64·2048.
+TEST(Media, LampsOfEveryKindAreDimmed) {
+  const auto seen_by = [](const Light& light, bool has_fog, bool is_glossy) {
+    Scene scene;
+    scene.materials = {grey(0.5)};
+    if (is_glossy) scene.materials[0] = MetallicRoughnessMaterial{.metallic = 0.5, .roughness = 1};
+    scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+    scene.lights = {light};
+    if (has_fog) add_slab(scene, -0.35, 0, {2, 2, 2}, {.albedo = {0, 0, 0}});
+    return seen(scene, 2048).y;
+  };
+  const PointLight point{{10_mm, 0, 0}, {1, 1, 1}};
+  const RectangleLight rectangle{{10_mm, 0, 0}, {0, 4_mm, 0}, {4_mm, 0, 0}, {100, 100, 100}, false};
+  for (const bool is_glossy : {false, true})
+    for (const Light& light : {Light(point), Light(rectangle)})
+      EXPECT_NEAR(seen_by(light, true, is_glossy) / seen_by(light, false, is_glossy) / std::exp(-1.2), 1, 0.02);
+}
+
 // Waves begin at the particles. Their light is that of the slab; each ray has one.
 TEST(Media, WavesBeginAtParticles) {
   Scene scene;

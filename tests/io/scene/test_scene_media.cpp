@@ -71,7 +71,7 @@ TEST(SceneMedia, GridsAreReadPlaneByPlane) {
 TEST(SceneMedia, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of_media("albedo = 0.5"), "expected the key \"mean_free_path\" in [media.m], which is missing");
   EXPECT_EQ(error_of_media("mean_free_path = \"-1 mm\""),
-            "expected lengths above 0 m for \"mean_free_path\", got -1 mm");
+            "expected a length above 0 m for \"mean_free_path\", got -1 mm");
   EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\nalbedo = 1.5"),
             "expected finite numbers from 0 to 1 for \"albedo\", got 1.5");
   EXPECT_EQ(error_of_media("mean_free_path = \"1 2 mm\""),

@@ -408,8 +408,8 @@ std::optional<Hit> Accelerator::closest_hit(const Ray& ray, Aim aim, Veils veils
 }
 
 bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim, Veils veils) const {
-  const bool found = closest_surface(ray, hit, aim, veils);
-  return media_ && veils.kind == Veils::Kind::drawn && veils.has_media ? media_->stop(ray, found, hit) : found;
+  if (!media_ || veils.kind != Veils::Kind::drawn || !veils.has_media) return closest_surface(ray, hit, aim, veils);
+  return media_->stop(ray, closest_surface(ray, hit, aim, veils), hit);
 }
 
 std::optional<Hit> Accelerator::particle_before(const Ray& ray, double distance) const {
@@ -469,10 +469,8 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
     self.describe(ray(i), at, hits[i]);
     return true;
   };
-  return bits_that(asked, [&](size_t i) {
-    const bool has_met = meets_surface(i);
-    return media_ ? media_->stop(ray(i), has_met, hits[i]) : has_met;
-  });
+  if (!media_) return bits_that(asked, meets_surface);
+  return bits_that(asked, [&](size_t i) { return media_->stop(ray(i), meets_surface(i), hits[i]); });
 }
 
 bool Accelerator::has_openings() const { return implementation_->has_openings; }

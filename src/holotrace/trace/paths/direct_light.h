@@ -460,10 +460,11 @@ class DirectLight {
     counts_.shadow_rays += int64_t(waiting.count);
     const uint32_t asked = (1U << waiting.count) - 1;
     const RayLanes rays{waiting.origin, waiting.direction, waiting.distance};
+    const bool has_media = scene_.accelerator.has_media();
     Reflected sum;
     for (uint32_t seen = asked & ~scene_.accelerator.occluded(rays, asked, Aim::random, true); seen; seen &= seen - 1) {
       const auto i = size_t(std::countr_zero(seen));
-      const Vec3 passed = passed_by(rays, i);
+      const Vec3 passed = has_media ? passed_by(rays, i) : Vec3{1, 1, 1};
       sum.diffuse += waiting.diffuse[i] * passed;
       sum.glossy += waiting.glossy[i] * passed;
     }
