@@ -58,6 +58,15 @@ def _rows(array: np.ndarray[Any, Any], what: str, dtype: Any) -> np.ndarray[Any,
     return np.ascontiguousarray(array, dtype)
 
 
+def _density(values: Any) -> Dict[str, Any]:
+    """The densities of a medium, (planes, rows, columns), as an image of the planes below each other."""
+    array = array_of(values, "density")
+    if array.ndim != 3:
+        raise _core.Error(f"expected a density of the shape (planes, rows, columns), got {array.shape}")
+    planes, rows, columns = array.shape
+    return {"density": Image(array.reshape(planes * rows, columns).astype("float32")), "density_planes": planes}
+
+
 def _plain(value: Any) -> Any:
     """A value as the core reads it: nouns become their cores, pictures become images."""
     if isinstance(value, Mapping):
@@ -65,6 +74,8 @@ def _plain(value: Any) -> Any:
             value = _mesh(value)
         elif "type" in value and "points" in value and "unit" not in value and array_of(value["points"], "points").ndim == 2:
             value = _points(value)
+        if is_array(value.get("density")):
+            value = {**value, **_density(value["density"])}
         return {key: one if key == "arrays" else _plain(one) for key, one in value.items()}
     if isinstance(value, Noun):
         return value._core

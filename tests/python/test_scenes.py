@@ -274,3 +274,19 @@ def test_values_take_the_place_of_those_of_a_file(tmp_path):
     assert list(scene.wavelengths) == [633e-9, 450e-9]
     with pytest.raises(ht.Error, match="^--set object.2.position: expected the number of an element from 1 to 1"):
         ht.load_scene(path, edits={"object.2.position": "0 0 -1 mm"})
+
+
+def test_densities_of_a_medium_may_be_an_array():
+    box = ["-1 -1 -301 mm", "1 1 -299 mm"]
+    tables = {"wavelength": "532 nm", "background": 1.0, "render": {"rows": 8, "paths": 4, "field_of_view": "0.1 deg"}}
+    with pytest.raises(ht.Error, match=r"shape \(planes, rows, columns\), got \(2, 2\)"):
+        ht.Scene(tables, media={"smoke": {"mean_free_path": "1 mm", "box": box, "density": np.ones((2, 2))}})
+    with pytest.raises(ht.Error, match="densities of 0 or more, got -1 in plane 1, row 0, column 2"):
+        values = np.ones((2, 3, 4))
+        values[1, 0, 2] = -1
+        ht.Scene(tables, media={"smoke": {"mean_free_path": "1 mm", "box": box, "density": values}})
+    # Absorbing and 2 mm deep: exp(-2) of a background of 1 is left on average, of 256 paths: 4·sqrt(0.117/256) = 0.09.
+    picture = ht.render(
+        ht.Scene(tables, media={"smoke": {"mean_free_path": "1 mm", "albedo": 0, "box": box, "density": np.ones((2, 3, 4))}})
+    )
+    assert abs(np.asarray(picture).mean() - np.exp(-2)) < 0.09

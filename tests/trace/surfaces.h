@@ -146,6 +146,15 @@ inline std::vector<NamedSurface> specular_surfaces() {
           named("red mirror", MetallicRoughnessMaterial{.base_color = {0.9, 0.1, 0.1}, .roughness = 0})};
 }
 
+/// Particles of media.
+inline std::vector<NamedSurface> scatterers() {
+  std::vector<NamedSurface> all;
+  for (const double g : {-0.6, 0.0, 0.3, 0.9})
+    all.push_back(named("particles of g = " + std::to_string(g), ScatteringMaterial{{0.9, 0.5, 0.2}, g}));
+  all.push_back(named("droplets", ScatteringMaterial{.albedo = {0.9, 0.5, 0.2}, .droplet_radius = 1e-6}));
+  return all;
+}
+
 inline std::vector<NamedSurface> all_surfaces() {
   std::vector<NamedSurface> all;
   for (const auto& some : {diffuse_surfaces(), conductor_surfaces(), dielectric_surfaces(), metallic_surfaces(),

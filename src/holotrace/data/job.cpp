@@ -62,6 +62,7 @@ struct SurfaceColour {
       is_any = is_any || is_coloured(colour->value) || is_coloured(colour->texture.image);
     return is_any;
   }
+  bool operator()(const ScatteringMaterial& m) const { return is_coloured(m.albedo) || m.droplet_radius > 0; }
 };
 
 struct LightColour {
@@ -78,6 +79,7 @@ bool has_colours(const Scene& scene) {
   return is_coloured(scene.background) ||
          (scene.environment && (is_coloured(scene.environment->scale) || is_coloured(scene.environment->map))) ||
          any(scene.lights, [](const Light& light) { return std::visit(LightColour(), light); }) ||
+         any(scene.media, [](const Medium& medium) { return is_coloured(medium.extinction); }) ||
          any(scene.materials,
              [](const Material& m) {
                return std::visit(SurfaceColour(), m.surface) || is_coloured(m.emission) ||
@@ -162,6 +164,8 @@ void share_pictures(Scene& scene, const Scene& other) {
       }
   }
   if (scene.environment && other.environment) share(scene.environment->map, other.environment->map);
+  for (size_t i = 0; i < std::min(scene.media.size(), other.media.size()); ++i)
+    share(scene.media[i].density, other.media[i].density);
 }
 
 double bytes_of(const Scene& scene) {

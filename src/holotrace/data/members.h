@@ -223,11 +223,26 @@ void members(Archive& archive, PrincipledMaterial& part) {
           iridescence, iridescence_index, film_thickness, least_thickness, thickness_texture);
 }
 template <class Archive>
+void members(Archive& archive, ScatteringMaterial& part) {
+  auto& [albedo, anisotropy, droplet_radius] = part;
+  archive(albedo, anisotropy, droplet_radius);
+}
+template <class Archive>
 void members(Archive& archive, Material& part) {
   auto& [surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
-         two_sided] = part;
+         two_sided, medium] = part;
   archive(surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
-          two_sided);
+          two_sided, medium);
+}
+template <class Archive>
+void members(Archive& archive, MediumBox& part) {
+  auto& [low, high] = part;
+  archive(low, high);
+}
+template <class Archive>
+void members(Archive& archive, Medium& part) {
+  auto& [name, extinction, material, is_open, box, density, planes] = part;
+  archive(name, extinction, material, is_open, box, density, planes);
 }
 template <class Archive>
 void members(Archive& archive, Mesh& part) {
@@ -256,8 +271,8 @@ void members(Archive& archive, Environment& part) {
 }
 template <class Archive>
 void members(Archive& archive, Scene& part) {
-  auto& [materials, meshes, lights, points, background, environment] = part;
-  archive(materials, meshes, lights, points, background, environment);
+  auto& [materials, meshes, lights, points, background, environment, media] = part;
+  archive(materials, meshes, lights, points, background, environment, media);
 }
 
 /// A visitor of `describe` that passes on each parameter.

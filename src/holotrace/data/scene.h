@@ -117,10 +117,18 @@ inline bool has_texture(const PrincipledMaterial& material) {
   return has_any;
 }
 
+/// What the particles of a medium do to light that meets one: a fraction, the albedo, is scattered. The phase function is that
+/// of Henyey and Greenstein, or that of water droplets of one size (Lorenz and Mie).
+struct ScatteringMaterial {
+  Vec3 albedo{1, 1, 1};       ///< in red, green, blue, each in [0, 1]
+  double anisotropy = 0;      ///< g of Henyey and Greenstein, the mean cosine of the angle of scattering, in (−1, 1)
+  double droplet_radius = 0;  ///< above 0: of water droplets, which replace g [m]
+};
+
 /// The reflection, transmission and emission of a surface. To add a material: see CONTRIBUTING.md.
 struct Material {
   using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial,
-                               PrincipledMaterial>;
+                               PrincipledMaterial, ScatteringMaterial>;
   Surface surface;
   Vec3 emission{0, 0, 0};                           ///< emitted radiance [W/m²/sr]
   std::shared_ptr<const Image> emission_texture{};  ///< multiplies emission (linear light)
@@ -134,11 +142,31 @@ struct Material {
   /// One-sided surfaces are black from behind: triangles are counter-clockwise as seen from their front. The back of a
   /// solid dielectric is its inside and is never black.
   bool two_sided = true;
+  int medium = -1;  ///< index into Scene::media of what closed meshes of this material are filled with; −1: none
 
   Material() = default;
   template <class S>
   requires std::constructible_from<Surface, S> Material(S surface, Vec3 emission = {})
       : surface(std::move(surface)), emission(emission) {}
+};
+
+/// A box with sides along the axes.
+struct MediumBox {
+  Vec3 low, high;  ///< corners [m]
+};
+
+/// Fog, smoke, milk: particles in a volume that absorb, scatter and emit light. A medium fills the closed meshes whose material
+/// names it, its box, or the whole of space.
+struct Medium {
+  std::string name;
+  Vec3 extinction;       ///< absorbed and scattered part per length in red, green, blue, σ_t = σ_a + σ_s [1/m]
+  int material = -1;     ///< index into Scene::materials: a ScatteringMaterial, with the emission of a particle
+  bool is_open = false;  ///< whether it fills its box, or without a box the whole of space; else meshes
+  std::optional<MediumBox> box{};
+  /// Factors for the extinction, 0 or more, at the centres of equal cells of the box; 1 without it. One channel; a row along +x;
+  /// the rows of a plane along +y, and the planes after each other along +z.
+  std::shared_ptr<const Image> density{};
+  int planes = 0;  ///< of the density
 };
 
 /// Triangles of one material.
@@ -212,6 +240,7 @@ struct Scene {
   std::vector<ScenePoint> points;
   Vec3 background{0, 0, 0};                ///< radiance of rays that leave the scene [W/m²/sr]
   std::optional<Environment> environment;  ///< radiance of such rays from a map; added to the background
+  std::vector<Medium> media;
 };
 
 /// @throws Error, naming mesh and element, for triangles with invalid vertex indices, numbers that are

@@ -28,9 +28,9 @@ Vec3 background_along(const PathScene& scene, const Ray& ray) {
 void radiance_along(const PathScene& scene, std::span<const NumberedRay> rays, bool has_background, int dimension,
                     LowDiscrepancy& numbers, std::span<Vec3> lights, PathCounts& counts) {
   uint32_t misses = find_radiance(scene, rays, dimension, numbers, lights, counts);
-  for (; has_background && misses; misses &= misses - 1) {
+  for (; misses; misses &= misses - 1) {
     const auto i = size_t(std::countr_zero(misses));
-    lights[i] = background_along(scene, rays[i].ray);
+    lights[i] = has_background ? lights[i] * background_along(scene, rays[i].ray) : Vec3{};
   }
 }
 

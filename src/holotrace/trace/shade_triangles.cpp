@@ -249,6 +249,9 @@ void check_shading(const Scene& scene, const TraceParams& params) {
           "expected the strategy shared with the method triangles, got {}; triangles have one brightness for the whole "
           "panel",
           params.strategy == Strategy::tiled ? "tiled" : "gather");
+  require(scene.media.empty(),
+          "expected a scene without media for the method triangles, got the medium \"{}\"; use another method",
+          scene.media.empty() ? "" : scene.media.front().name);
   require(has_surfaces(scene),
           "expected a scene with meshes for the method triangles, got only luminous points; add an object that "
           "is a surface, or use another method");

@@ -353,6 +353,9 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   require(!wavelengths.empty(), "expected at least one wavelength, got none");
   for (const double wavelength : wavelengths) check_wavelength(wavelength, panel);
   check_params(params);
+  require(
+      params.strategy != Strategy::tiled || scene.media.empty(),
+      "expected the strategy shared or gather in a scene with media, got tiled, which does not know what media hide");
   const std::vector<PanelTile> tiles = make_tiles(params, panel);
   const double side = cell_side(params, panel);
   const Cones cones = cones_of(wavelengths, params);

@@ -77,6 +77,21 @@ TEST(BsdfSampling, MetallicRoughnessDirectionsFollowTheirDensity) { expect_sampl
 
 TEST(BsdfSampling, LayeredDirectionsFollowTheirDensity) { expect_sampler_of(principled_surfaces(), 30000); }
 
+// Particles have no sides: all directions together.
+TEST(BsdfSampling, ScatteredDirectionsFollowTheirDensity) {
+  const auto particles = scatterers();
+  for (const NamedSurface& particle : particles) {
+    const Vec3 outgoing = view_direction_at(45);
+    const Draws draws{CounterRandom(7, 0, 1), particle.bsdf, outgoing, Lobe::glossy, false};
+    const auto map = map_of(draws);
+    ASSERT_TRUE(map);
+    const auto density = [&](Vec3 incoming) { return pdf_bsdf(particle.bsdf, outgoing, incoming, Lobe::glossy); };
+    const SphereTest test = test_sphere_sampling(*map, 100000, Draws(draws), density);
+    EXPECT_GT(test.chi_square.p_value, sidak_level(level, int(particles.size()))) << particle.name;
+    EXPECT_LT(test.deviation, 4.5) << particle.name << ": drawn " << test.drawn << ", integral " << test.integral;
+  }
+}
+
 TEST(BsdfSampling, TheChiSquareTestRejectsAWrongDensity) {
   // A deviation that the test must detect: directions by cosθ/π against a density 5 % too large on one side.
   CounterRandom random(3, 0, 0);

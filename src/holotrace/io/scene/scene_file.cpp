@@ -21,6 +21,7 @@
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_lights.h"
 #include "holotrace/io/scene/scene_materials.h"
+#include "holotrace/io/scene/scene_media.h"
 #include "holotrace/io/scene/scene_objects.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/slm_file.h"
@@ -86,8 +87,9 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   Job job;
   job.shutter = read_shutter(root);
   choose_time(root, time);
-  for (const char* section : {"slm", "materials", "light", "environment", "object", "shape", "background", "trace",
-                              "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
+  for (const char* section :
+       {"slm", "materials", "media", "light", "environment", "object", "shape", "background", "trace", "render",
+        "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
     root.know(section);
   root.know("wavelength");
   root.refuse_unknown_keys();
@@ -102,8 +104,10 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
 
   SceneObjects objects(job, outside);
   std::vector<std::string> names;
+  const auto media = read_media(root, job.scene);
   const auto materials = root.named_tables("materials", names);
-  for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i]));
+  for (size_t i = 0; i < materials.size(); ++i) objects.add_material(names[i], read_material(materials[i], media));
+  open_media(root, job.scene);
   for (const TomlTable& light : root.tables("light")) job.scene.lights.push_back(read_light(light));
   if (const auto environment = root.table("environment")) job.scene.environment = read_environment(*environment);
   if (auto shapes = root.table("shape")) objects.add_shapes(*shapes);

@@ -284,9 +284,31 @@ PrincipledMaterial read_principled(TomlTable& table) {
   return surface;
 }
 
+// The medium inside closed meshes of the material: of glass, or of an interface that rays pass unchanged.
+int read_medium_inside(TomlTable& table, const Material& material, const std::map<std::string, int>& media) {
+  std::string name;
+  table.text("medium", name);
+  if (name.empty()) return -1;
+  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  const bool is_solid = (glass && !glass->is_thin) || (layers && !layers->is_thin && layers->transmission.value > 0);
+  require(
+      is_solid || material.opacity == 0,
+      "{}expected a medium in a solid that light enters, such as a \"dielectric\" or an \"interface\", got an opaque or "
+      "thin material",
+      table.where("medium"));
+  require(!layers || !std::isfinite(layers->attenuation_distance),
+          "{}expected either \"medium\" or \"attenuation_distance\", got both", table.where("medium"));
+  const auto found = media.find(name);
+  if (found != media.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, index] : media) names.push_back(known);
+  throw Error(table.where("medium") + unknown_name_message("medium", name, names));
+}
+
 }  // namespace
 
-Material read_material(TomlTable table) {
+Material read_material(TomlTable table, const std::map<std::string, int>& media) {
   std::string type = "diffuse";
   table.text("type", type);
   Material material;
@@ -300,10 +322,18 @@ Material read_material(TomlTable table) {
     material.surface = read_metallic_roughness(table);
   else if (type == "principled")
     material.surface = read_principled(table);
+  else if (type == "interface")
+    material.opacity = 0;
   else
-    throw Error(table.where("type") +
-                unknown_name_message("material type", type,
-                                     {"diffuse", "conductor", "dielectric", "metallic-roughness", "principled"}));
+    throw Error(table.where("type") + unknown_name_message("material type", type,
+                                                           {"diffuse", "conductor", "dielectric", "metallic-roughness",
+                                                            "principled", "interface"}));
+  if (type == "interface") {
+    table.require_key("medium");
+    material.medium = read_medium_inside(table, material, media);
+    table.refuse_unknown_keys();
+    return material;
+  }
   material.emission_texture = read_texture(table, "emission_texture");
   if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file has an emission
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());
@@ -313,6 +343,7 @@ Material read_material(TomlTable table) {
   material.opacity_texture = read_opacity(table);
   table.number("opacity_cutoff", material.opacity_cutoff, range::fraction);
   table.flag("two_sided", material.two_sided);
+  material.medium = read_medium_inside(table, material, media);
   table.refuse_unknown_keys();
   return material;
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "holotrace/data/refractive_index.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/io/scene/toml_table.h"
@@ -24,6 +27,7 @@ RefractiveIndex load_index_table(const std::string& path);
 /// metallic-roughness textures are data and are not decoded.
 /// @throws Error with file:line:column for unknown types, keys, metals and glasses (naming the nearest), for numbers
 ///         out of range, and for textures that cannot be read
-Material read_material(TomlTable table);
+/// @param media  index of each medium that a material may be filled with
+Material read_material(TomlTable table, const std::map<std::string, int>& media);
 
 }  // namespace holotrace

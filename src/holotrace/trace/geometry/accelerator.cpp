@@ -15,6 +15,7 @@
 #include "holotrace/base/threads.h"
 #include "holotrace/trace/geometry/few_triangles.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
+#include "holotrace/trace/geometry/media.h"
 #include "holotrace/trace/geometry/ray_packet.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
 #include "holotrace/trace/shared/texture.h"
@@ -372,17 +373,19 @@ uint32_t bits_that(uint32_t asked, const Test& passes) {
 
 }  // namespace
 
-Accelerator::Accelerator(const Scene& scene, Acceleration kind)
+Accelerator::Accelerator(const Scene& scene, Acceleration kind, const Lines& lines)
     : implementation_(new Implementation{.scene = scene, .few = {}, .grid = {}, .lamps = {}, .surfaces = {}}),
       lifts_(scene.lights.size()) {
   check_light_and_materials(scene);
-  if (!has_surfaces(scene)) return;
+  media_ = make_media(scene, lines);
+  if (media_) front_ = media_->front();
   Implementation& self = *implementation_;
+  self.lamps = light_surfaces(scene);
+  if (scene.meshes.empty() && self.lamps.empty()) return;
   self.precision = precision_ = precision_of(scene);
   self.per_unit = 1 / precision_.unit, self.radius = precision_.radius / precision_.unit;
   for (const Mesh& mesh : scene.meshes)
     for (const Vec3& p : mesh.positions) front_ = std::max(front_, p.z);
-  self.lamps = light_surfaces(scene);
   self.list_surfaces();
   const std::vector<double> lifts = light_lifts(scene, precision_);
   for (size_t i = 0; i < lifts.size(); ++i) lifts_[size_t(self.lamps[i].light)] = lifts[i];
@@ -405,6 +408,19 @@ std::optional<Hit> Accelerator::closest_hit(const Ray& ray, Aim aim, Veils veils
 }
 
 bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim, Veils veils) const {
+  if (!media_ || veils.kind != Veils::Kind::drawn || !veils.has_media) return closest_surface(ray, hit, aim, veils);
+  return media_->stop(ray, closest_surface(ray, hit, aim, veils), hit);
+}
+
+std::optional<Hit> Accelerator::particle_before(const Ray& ray, double distance) const {
+  return media_ ? media_->particle_before(ray, distance) : std::nullopt;
+}
+
+Vec3 Accelerator::transmittance(const Ray& ray, double distance) const {
+  return media_ ? media_->transmittance(ray, distance) : Vec3{1, 1, 1};
+}
+
+bool Accelerator::closest_surface(const Ray& ray, Hit& hit, Aim aim, Veils veils) const {
   const Implementation& self = *implementation_;
   if (self.grid) {
     GridHit found;
@@ -445,14 +461,16 @@ uint32_t Accelerator::closest_hits(const RayLanes& rays, uint32_t asked, Aim aim
     rtcIntersect16(packet.valid.data(), self.tree_for(aim), &context, &packet.query);
   }
   const auto& [query, found] = packet.query;
-  return bits_that(asked, [&, &query = query, &found = found](size_t i) {
+  const auto meets_surface = [&, &query = query, &found = found](size_t i) {
     if (!packet.valid[i] || found.geomID[i] == RTC_INVALID_GEOMETRY_ID) return false;
     const double distance = (packet.skipped[i] + double(query.tfar[i])) * precision_.unit;
     const GridHit at{distance, found.geomID[i], found.primID[i], double(found.u[i]), double(found.v[i])};
-    if (are_few && self.lets_through(ray(i), at, {})) return closest_hit(ray(i), hits[i], aim);
+    if (are_few && self.lets_through(ray(i), at, {})) return closest_surface(ray(i), hits[i], aim, {});
     self.describe(ray(i), at, hits[i]);
     return true;
-  });
+  };
+  if (!media_) return bits_that(asked, meets_surface);
+  return bits_that(asked, [&](size_t i) { return media_->stop(ray(i), meets_surface(i), hits[i]); });
 }
 
 bool Accelerator::has_openings() const { return implementation_->has_openings; }

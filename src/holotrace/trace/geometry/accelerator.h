@@ -20,6 +20,7 @@ namespace holotrace {
 struct Hit {
   double distance = 0;  ///< from the ray's origin [m]
   SurfacePoint point;
+  Vec3 weight{1, 1, 1};  ///< of the light at the lines, for media that dim colours differently (media.h)
 };
 
 /// How a ray was chosen, which decides the tree that is asked.
@@ -31,14 +32,17 @@ enum class Aim {
 /// What surfaces with an opacity between 0 and 1 do to a ray.
 struct Veils {
   enum class Kind {
-    drawn,   ///< stop it with the probability of their opacity
-    passed,  ///< let it pass, for ways whose light was drawn before, or is drawn on the way found
-    met      ///< stop it
+    drawn,   ///< stop it with the probability of their opacity; so do particles of media
+    passed,  ///< let it pass, for ways whose light was drawn before, or is drawn on the way found; media let it pass
+    met      ///< stop it; media let it pass
   };
   static constexpr uint32_t no_mesh = ~0U;
   Kind kind = Kind::drawn;
   uint32_t but = no_mesh;  ///< passed: those of this mesh stop it
+  bool has_media = true;   ///< drawn: particles of media stop rays, too
 };
+
+class Media;
 
 /// A ray as passed to Embree: single precision, in units of ScenePrecision from its centre.
 struct LoggedRay {
@@ -59,23 +63,36 @@ struct LoggedRay {
 /// is not watertight. Its rays take 0.55 to 0.7 times as long as in the watertight tree. In a scene of few
 /// triangles, random rays that are asked together ask all of them instead (few_triangles.h).
 ///
+/// Particles of media stop rays as surfaces do, with the probability of free flight (media.h); shadow rays pass, and
+/// `transmittance` says how much of their light does.
+///
 /// A surface whose material has an opacity o < 1 stops a ray with probability o (opacity_at), drawn from a hash of the ray and the
 /// triangle; else the ray goes on. The same ray always has the same answer.
 class Accelerator {
  public:
   /// @throws Error  if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures
   ///         that cannot be used, naming them
-  explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree);
+  /// @param lines  at which media dim light
+  explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree, const Lines& lines = {});
   ~Accelerator();
   Accelerator(Accelerator&&) noexcept;
 
   const Scene& scene() const;
 
-  /// The first surface on the ray, if there is one.
+  /// The first surface or particle on the ray, if there is one.
   std::optional<Hit> closest_hit(const Ray& ray, Aim aim = Aim::exact, Veils veils = {}) const;
 
-  /// The same into `hit`, which is overwritten completely. Returns false and leaves `hit` unchanged if there is none.
+  /// The same into `hit`, which is overwritten completely. Returns false and leaves `hit` unchanged if there is none, but for
+  /// its weight, which in a scene with media is that of light from beyond.
   bool closest_hit(const Ray& ray, Hit& hit, Aim aim = Aim::exact, Veils veils = {}) const;
+
+  bool has_media() const { return media_ != nullptr; }
+
+  /// A particle of the scene's media before a distance on the ray, if there is one (Media::particle_before).
+  std::optional<Hit> particle_before(const Ray& ray, double distance) const;
+
+  /// The share of light at the lines that media let pass on the ray before a distance [m], which may be infinite.
+  Vec3 transmittance(const Ray& ray, double distance) const;
 
   /// Whether a surface lies between two places [m]; one within the rounding of `to` does not count.
   bool is_occluded(Vec3 from, Vec3 to, Veils veils = {}) const;
@@ -140,6 +157,8 @@ class Accelerator {
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
+  std::unique_ptr<const Media> media_;
+  bool closest_surface(const Ray& ray, Hit& hit, Aim aim, Veils veils) const;
   double rounding_at_end(const Ray& ray, double distance) const;
 
   ScenePrecision precision_;

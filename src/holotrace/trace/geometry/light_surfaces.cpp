@@ -36,7 +36,7 @@ std::vector<LightSurface> light_surfaces(const Scene& scene) {
 }
 
 bool has_surfaces(const Scene& scene) {
-  return !scene.meshes.empty() ||
+  return !scene.meshes.empty() || !scene.media.empty() ||
          std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return visible_rectangle(l); });
 }
 

@@ -20,7 +20,7 @@ struct LightSurface {
 /// The light surfaces of a scene, in the order of its lights. Where hits number meshes, they follow Scene::meshes.
 std::vector<LightSurface> light_surfaces(const Scene& scene);
 
-/// Whether rays can meet anything: a mesh or the surface of a light.
+/// Whether rays can meet anything: a mesh, the surface of a light or a medium.
 bool has_surfaces(const Scene& scene);
 
 /// Where single precision is fine in a scene, and how coarse it is elsewhere. Numbers of 24 bits have a resolution of

@@ -5,6 +5,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/trace/geometry/accelerator.h"
+#include "holotrace/trace/geometry/media.h"
 
 namespace holotrace {
 
@@ -171,6 +172,15 @@ void check_surface(const PrincipledMaterial& material, size_t index) {
           material.anisotropy_rotation);
 }
 
+void check_surface(const ScatteringMaterial& material, size_t index) {
+  require_colour(material.albedo, "albedo", index);
+  require(std::abs(material.anisotropy) < 1, "expected an anisotropy above -1 and below 1 in material {}, got {}",
+          index, material.anisotropy);
+  constexpr double largest = 200e-6;  // of larger ones the tables of directions take long
+  require(material.droplet_radius >= 0 && material.droplet_radius <= largest,
+          "expected a radius of droplets of at most 0.2 mm in material {}, got {} m", index, material.droplet_radius);
+}
+
 void check_material(const Material& material, size_t index) {
   std::visit([&](const auto& surface) { check_surface(surface, index); }, material.surface);
   require(is_light_value(material.emission),
@@ -194,6 +204,7 @@ bool has_texture(const MetallicRoughnessMaterial& material) {
 }
 bool has_texture(const ConductorMaterial&) { return false; }
 bool has_texture(const DielectricMaterial&) { return false; }
+bool has_texture(const ScatteringMaterial&) { return false; }
 
 void check_environment(const Environment& environment) {
   require(environment.map != nullptr, "expected a map in the environment, got none");
@@ -225,6 +236,10 @@ void check_light_and_materials(const Scene& scene) {
   for (size_t i = 0; i < scene.lights.size(); ++i)
     std::visit([&](const auto& light) { check_light(light, i); }, scene.lights[i]);
   for (size_t i = 0; i < scene.materials.size(); ++i) check_material(scene.materials[i], i);
+  for (const Medium& medium : scene.media) check_medium(medium);
+  require(scene.media.empty() || scene.points.empty(),
+          "expected no luminous points in a scene with media, got {}; use small spheres that emit",
+          scene.points.size());
   for (const Mesh& mesh : scene.meshes) {
     const Material& material = scene.materials[size_t(mesh.material)];
     require(!has_texture(material) || !mesh.texture_coordinates.empty(),

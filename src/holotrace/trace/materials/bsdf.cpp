@@ -66,6 +66,13 @@ Bsdf make(const PrincipledMaterial& material, const SurfacePoint& point, const L
   return make_principled_bsdf(material, point, lines);
 }
 
+Bsdf make(const ScatteringMaterial& material, const SurfacePoint&, const Lines& lines) {
+  ScatteringBsdf b{lines.from_rgb(material.albedo), material.anisotropy, {}};
+  for (size_t i = 0; i < 3 && material.droplet_radius > 0; ++i)
+    b.droplets[i] = &droplet_phase(material.droplet_radius, lines.wavelengths[i]);
+  return b;
+}
+
 /// Whether a one-sided surface is seen from behind.
 bool is_black_back(const Material& material, const SurfacePoint& point) {
   return !material.two_sided && !point.is_front && !solid_index(material);

@@ -14,6 +14,7 @@
 #include "holotrace/trace/materials/lobe.h"
 #include "holotrace/trace/materials/metallic_roughness_bsdf.h"
 #include "holotrace/trace/materials/principled_bsdf.h"
+#include "holotrace/trace/materials/scattering_bsdf.h"
 #include "holotrace/trace/shared/ray.h"
 #include "holotrace/trace/shared/texture.h"
 
@@ -24,7 +25,8 @@
 
 namespace holotrace {
 
-using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf>;
+using Bsdf =
+    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf, ScatteringBsdf>;
 
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
 ///

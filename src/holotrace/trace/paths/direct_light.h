@@ -174,6 +174,7 @@ class DirectLight {
   }
 
  private:
+  static constexpr Veils only_surfaces{.has_media = false};  // on the way to a light; media dim it
   struct SampledLight {
     int group;
     bool is_shared;                ///< the path can also meet the light
@@ -274,7 +275,7 @@ class DirectLight {
     const FlatMirror& mirror = scene_.mirrors[mirrored.mirror];
     const Ray ray{scene_.accelerator.leave(at.point, way.direction), way.direction};
     ++counts_.rays;
-    const auto hit = scene_.accelerator.closest_hit(ray, at.aim);
+    const auto hit = scene_.accelerator.closest_hit(ray, at.aim, only_surfaces);
     if (!hit || hit->distance >= way.distance || !mirror.holds(hit->point)) return;
     const Material& material = material_at(scene_.scene, hit->point);
     const Bsdf bsdf = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
@@ -287,7 +288,9 @@ class DirectLight {
     const Ray onward{scene_.accelerator.leave(hit->point, back->direction), back->direction};
     const double left = way.distance - length(hit->point.position - at.point.position);
     if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
-    add_behind(1, mirrored.group, {reflected.diffuse * back->weight, reflected.glossy * back->weight});
+    const Vec3 passed = back->weight * scene_.accelerator.transmittance(ray, hit->distance) *
+                        scene_.accelerator.transmittance(onward, left);
+    add_behind(1, mirrored.group, {reflected.diffuse * passed, reflected.glossy * passed});
     if constexpr (Sink::follows_phase)
       sink_.end_way(laser_path(mirror.images[size_t(mirrored.group)], sink_.place_of_phase(at.point.position)),
                     {int(mirrored.mirror) + 1, back->phase});
@@ -335,6 +338,10 @@ class DirectLight {
       reflected.diffuse *= panes->share, reflected.glossy *= panes->share;
       diffuse_path_groups = path_groups_behind(panes->count, diffuse_state_);
       glossy_path_groups = path_groups_behind(panes->count, glossy_state_);
+    }
+    if (scene_.accelerator.has_media()) {
+      const Vec3 passed = scene_.accelerator.transmittance(ray.ray, ray.distance);
+      reflected.diffuse *= passed, reflected.glossy *= passed;
     }
     if (diffuse_path_groups) sink_.add(diffuse_path_groups, light.group, reflected.diffuse);
     if (glossy_path_groups) sink_.add(glossy_path_groups, light.group, reflected.glossy);
@@ -407,13 +414,16 @@ class DirectLight {
     counts_.shadow_rays += std::popcount(lit);
     const RayLanes rays{at.start, samples.direction, samples.distance};
     Vec3 sum;
+    const bool has_media = scene_.accelerator.has_media();
     for (uint32_t seen = lit & ~scene_.accelerator.occluded(rays, lit, Aim::random, are_near); seen; seen &= seen - 1) {
       const auto i = size_t(std::countr_zero(seen));
+      Vec3 arriving = reflected[i];
+      if (has_media) arriving *= passed_by(rays, i);
       if constexpr (Sink::is_by_path) {
         sink_.of_path(paths.number[i]);
-        sink_.add(diffuse_path_groups_, light.group, reflected[i]);
+        sink_.add(diffuse_path_groups_, light.group, arriving);
       } else {
-        sum += reflected[i];
+        sum += arriving;
       }
     }
     if constexpr (!Sink::is_by_path) sink_.add(diffuse_path_groups_, light.group, sum);
@@ -439,17 +449,24 @@ class DirectLight {
     }
   };
 
+  /// The share of the light on shadow ray i that media let pass.
+  Vec3 passed_by(const RayLanes& rays, size_t i) const {
+    return scene_.accelerator.transmittance({rays.origin[i], rays.direction[i]}, rays.distance[i]);
+  }
+
   /// Adds the light that nothing hides; then none waits.
   void add_visible(Waiting& waiting, int group) {
     if (waiting.count == 0) return;
     counts_.shadow_rays += int64_t(waiting.count);
     const uint32_t asked = (1U << waiting.count) - 1;
     const RayLanes rays{waiting.origin, waiting.direction, waiting.distance};
+    const bool has_media = scene_.accelerator.has_media();
     Reflected sum;
     for (uint32_t seen = asked & ~scene_.accelerator.occluded(rays, asked, Aim::random, true); seen; seen &= seen - 1) {
       const auto i = size_t(std::countr_zero(seen));
-      sum.diffuse += waiting.diffuse[i];
-      sum.glossy += waiting.glossy[i];
+      const Vec3 passed = has_media ? passed_by(rays, i) : Vec3{1, 1, 1};
+      sum.diffuse += waiting.diffuse[i] * passed;
+      sum.glossy += waiting.glossy[i] * passed;
     }
     if (diffuse_path_groups_) sink_.add(diffuse_path_groups_, group, sum.diffuse);
     if (glossy_path_groups_) sink_.add(glossy_path_groups_, group, sum.glossy);
@@ -482,7 +499,7 @@ class DirectLight {
     double left = way.distance - 2 * at.point.clearance;  // as in shadow_ray
     for (Panes panes; at.depth + panes.count <= scene_.params.max_depth; ++panes.count) {
       ++counts_.rays;
-      const auto hit = scene_.accelerator.closest_hit(ray);
+      const auto hit = scene_.accelerator.closest_hit(ray, Aim::exact, only_surfaces);
       if (!hit || hit->distance >= left) return panes;
       const Material& material = material_at(scene_.scene, hit->point);
       if (!is_pane(material)) return std::nullopt;

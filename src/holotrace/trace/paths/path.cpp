@@ -57,7 +57,12 @@ class GroupWalk {
       set_first();
       put(rays[i].path);
     }
-    return asked & ~found;
+    const uint32_t misses = asked & ~found;
+    for (uint32_t left = misses; left; left &= left - 1) {
+      const auto i = size_t(std::countr_zero(left));
+      if constexpr (Sink::is_by_path) sink_.lights[rays[i].path] = hits_[i].weight;
+    }
+    return misses;
   }
 
   /// Begins paths 0 … count − 1 of the block at a surface without a lamp. Lights have been sampled there.
@@ -154,8 +159,11 @@ class GroupWalk {
       const Ray ray{paths_.surfaces.start[i], next.direction[i]};
       of_path(path);
       // Paths that stay take the places of paths that have left.
-      if (walk_.leave_diffuse({state, depth_, paths_.throughput[i], is_counted[i], paths_.surfaces, i}, ray,
-                              next.pdf[i], found >> i & 1 ? &hits_[i] : nullptr))
+      Vec3 throughput = paths_.throughput[i];
+      if (scene_.accelerator.has_media() && !(found >> i & 1) && walk_.looks_on(state, depth_))
+        throughput *= hits_[i].weight;  // of light from beyond the media
+      if (walk_.leave_diffuse({state, depth_, throughput, is_counted[i], paths_.surfaces, i}, ray, next.pdf[i],
+                              found >> i & 1 ? &hits_[i] : nullptr))
         put(path);
     }
     state_ = state;
@@ -277,6 +285,10 @@ void warn_of_caustics(const PathScene& scene, const Observer& observer) {
     observer.warn(
         "caustics of point, spot and directional lights through mirrors or glass with a normal map or an opacity "
         "below 1 are left out; use rectangle lights, or remove the map");
+  if (scene.caustics.has_media)
+    observer.warn(
+        "caustics of point, spot and directional lights in a scene with media are left out, also the light that they send "
+        "into media behind glass; use rectangle lights, which paths find by themselves");
   if (scene.caustics.has_long)
     observer.warn(fmt::format(
         "caustics of point, spot and directional lights with more than {} reflections and refractions are left out; "
@@ -290,10 +302,11 @@ void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy
 }
 
 bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
-                  PathCounts& counts) {
+                  PathCounts& counts, Vec3* beyond) {
   bool has_met = false;
   follow_one(scene, numbers, sums, counts, [&](auto& walk) {
     has_met = walk.find(ray);
+    if (!has_met && beyond) *beyond = walk.weight_beyond();
     return has_met && walk.begin_here();
   });
   return has_met;
@@ -318,8 +331,10 @@ uint32_t find_radiance(const PathScene& scene, std::span<const NumberedRay> rays
   for (size_t i = 0; i < rays.size(); ++i) {
     numbers.go_to(rays[i].path, dimension);
     std::fill(sums.begin(), sums.end(), Vec3{});
-    misses |= uint32_t(!add_radiance(scene, rays[i].ray, numbers, sums, counts)) << i;
-    lights[i] = std::accumulate(sums.begin(), sums.end(), Vec3{});
+    Vec3 beyond{1, 1, 1};
+    const bool is_miss = !add_radiance(scene, rays[i].ray, numbers, sums, counts, &beyond);
+    misses |= uint32_t(is_miss) << i;
+    lights[i] = is_miss ? beyond : std::accumulate(sums.begin(), sums.end(), Vec3{});
   }
   return misses;
 }

@@ -89,9 +89,10 @@ struct PathStart {
 void add_radiance(const PathScene& scene, const PathStart& start, LowDiscrepancy& numbers, std::span<Vec3> sums,
                   PathCounts& counts);
 
-/// The same for the path that begins at the first surface on a ray of a camera; false, and no light, if there is none.
+/// The same for the path that begins at the first surface or particle on a ray of a camera; false, and no light, if there is none.
+/// @param beyond  if there is none, set to the weight of light from beyond at the lines (Hit::weight)
 bool add_radiance(const PathScene& scene, const Ray& ray, LowDiscrepancy& numbers, std::span<Vec3> sums,
-                  PathCounts& counts);
+                  PathCounts& counts, Vec3* beyond = nullptr);
 
 /// A ray of a camera, and the number of its path among those of a block of random numbers.
 struct NumberedRay {
@@ -103,7 +104,7 @@ struct NumberedRay {
 /// together; much faster than one by one where surfaces are diffuse, and if the rays are near to each other as those of a pixel.
 ///
 /// @param dimension  of the numbers, the first that has not been taken; the numbers are at any path of the block
-/// @param lights     as many as rays, overwritten [W/m²/sr]
+/// @param lights     as many as rays, overwritten [W/m²/sr]; without a surface the weight of light from beyond
 /// @return           bit i is 1 if there is no surface on ray i
 /// @throws Error     for more rays, or another number of lights
 uint32_t find_radiance(const PathScene& scene, std::span<const NumberedRay> rays, int dimension,

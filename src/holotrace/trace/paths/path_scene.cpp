@@ -103,7 +103,7 @@ std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
-      accelerator(scene, params.accelerator),
+      accelerator(scene, params.accelerator, lines),
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines),
@@ -123,6 +123,10 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
     if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
       rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
   caustics = find_caustics(*this, params.caustic_rays);
+  if (accelerator.has_media() && !caustics.is_empty()) {
+    caustics = {};  // what media do on the way is not known
+    caustics.has_media = !std::all_of(emitters.lights().begin(), emitters.lights().end(), has_area);
+  }
 }
 
 }  // namespace holotrace

@@ -69,15 +69,19 @@ class PathWalk {
     set_found(ray);
   }
 
+  /// The weight of light from beyond, if `find` has found nothing.
+  const Vec3& weight_beyond() const { return hit_.weight; }
+
   /// Begins a path at the surface that was found; false if it ends there, at a lamp.
   bool begin_here(int count = 1) {
     counts_.paths += count;
+    const Vec3 of_one = throughput_;
     throughput_ *= count;
     if (point_.light >= 0)
       add_lamp(count);
     else
       arrive(count);
-    throughput_ = {1, 1, 1};
+    throughput_ = of_one;
     return point_.light < 0;
   }
 
@@ -132,7 +136,10 @@ class PathWalk {
     aim_ = Aim::random;
     if (!looks_on(state_, depth_)) return end(ray);
     ++counts_.rays;
-    if (hit) hit_ = *hit;
+    if (hit)
+      hit_ = *hit;
+    else
+      hit_.weight = {1, 1, 1};  // the throughput has it
     return reach(ray, ray.origin, hit);
   }
 
@@ -179,6 +186,7 @@ class PathWalk {
   void set_found(const Ray& ray) {
     if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
     set_first(automaton_.start(), -ray.direction, 1, Aim::random);
+    throughput_ = hit_.weight;
   }
 
   void set_first(PathAutomaton::State state, Vec3 outgoing, int depth, Aim aim) {
@@ -212,7 +220,7 @@ class PathWalk {
     const uint32_t path_groups = automaton_.accepted(state_);
     if (!path_groups) return;
     Vec3 light = throughput_ * emitted_radiance(material, point_, scene_.lines);
-    if (pdf_ > 0) {
+    if (pdf_ > 0 && !point_.is_particle()) {  // particles are only met
       const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
       light *= shared_weight(pdf_, emitters_.triangles().pdf(point_.mesh, point_.triangle, distance_, cosine));
     }
@@ -304,6 +312,7 @@ class PathWalk {
   /// Arrives at the surface that a ray from `here` has met, if it has; false if the path ends.
   bool reach(const Ray& ray, [[maybe_unused]] Vec3 here, bool has_hit) {
     distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
+    if (scene_.accelerator.has_media()) throughput_ *= hit_.weight;
     // A lamp in the plane of a wall counts as in front of it, as in the sampling of lights.
     if (emitters_.shine_beyond_surfaces())
       add_light_on_way(ray, distance_ + (has_hit ? point_.clearance : 0), state_, pdf_, throughput_);

@@ -120,7 +120,7 @@ struct Walk {
 
   /// Another ray passes the veils that the guide passed, whose light was drawn then, and meets those that the guide met.
   Veils veils_before(int depth) const {
-    if (!guide) return {};
+    if (!guide) return {.has_media = false};  // particles are added beside what is behind them
     const auto n = size_t(depth) - 1;
     return {Veils::Kind::passed, n < guide->chain.size() ? guide->chain[n].point.mesh : guide->start.point.mesh};
   }
@@ -134,6 +134,17 @@ struct Walk {
     here.start.outgoing = -ray.direction;
     here.start.depth = depth;
     here.start.index = index;
+    if (scene.accelerator.has_media()) {
+      const double distance = hit ? hit->distance : std::numeric_limits<double>::infinity();
+      if (const auto particle = scene.accelerator.particle_before(ray, distance);
+          particle && depth <= scene.params.max_depth) {
+        SpecularLeaf in_medium = here;
+        in_medium.start.point = particle->point;
+        in_medium.weight *= particle->weight;
+        add(std::move(in_medium));
+      }
+      here.weight *= scene.accelerator.transmittance(ray, distance);
+    }
     if (depth > 1)
       add_lights(ray, hit ? hit->distance + hit->point.clearance : std::numeric_limits<double>::infinity(), here);
     if (!hit) {
@@ -169,7 +180,7 @@ struct Walk {
                     guide->chain[size_t(depth) - 1].is_transmission != way.is_transmission))
         continue;
       SpecularLeaf next = here;
-      next.weight = leaf.weight * way.weight * transmitted_inside(material, point, hit->distance, scene.lines);
+      next.weight = here.weight * way.weight * transmitted_inside(material, point, hit->distance, scene.lines);
       const SpecularVertex vertex = specular_vertex(scene.scene, point, ray.direction, way, index, scene.lines);
       // Inside glass radiance is n² times as large as outside: n²·weight is the fraction of the light.
       const double beyond = vertex.index_after();

@@ -28,6 +28,10 @@ struct SurfacePoint {
   bool is_front = true;             ///< the path came from the side that sees the triangle counter-clockwise
   uint32_t mesh = 0, triangle = 0;  ///< numbers in Scene::meshes; surfaces of light_surfaces come after them
   double clearance = 0;             ///< offset with which a ray must start to avoid meeting the surface again [m]
+
+  static constexpr uint32_t no_mesh = ~0U;
+  /// Whether it is no surface, but a particle of a medium, with both normals toward where the path came from.
+  bool is_particle() const { return mesh == no_mesh; }
 };
 
 /// The three wavelengths [m] that a light path carries at once. Radiance, throughput and BSDFs are a Vec3 whose

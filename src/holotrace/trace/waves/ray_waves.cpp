@@ -1,10 +1,12 @@
 #include "holotrace/trace/waves/ray_waves.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
 #include "holotrace/base/cycles.h"
+#include "holotrace/base/random.h"
 #include "holotrace/data/sources.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/waves/source_phase.h"
@@ -84,8 +86,11 @@ void move_phase(SpecularLeaf& leaf, const Ray& ray, Vec3 middle) {
 std::pair<uint64_t, WaveCell> place_in_cell(SpecularLeaf& leaf, const TraceParams& params, double side, const Ray& ray,
                                             uint64_t sample) {
   const bool is_constant = params.phase == SourcePhase::constant;
-  if (params.phase == SourcePhase::random || leaf.kind == LeafKind::beyond)
-    return {is_constant ? Sources::no_phase_key : sample, {}};
+  if (params.phase == SourcePhase::random || leaf.kind == LeafKind::beyond) {
+    // The particle and the surface behind it on the same ray have phases of their own.
+    const uint64_t key = leaf.start.point.is_particle() ? mix(sample + splitmix_step) : sample;
+    return {is_constant ? Sources::no_phase_key : key, {}};
+  }
   const Vec3 place = leaf.start.point.position;
   const SurfaceCell cell = surface_cell(place, side);
   const WaveCell own{image_key(cell.key, leaf.chain), length(cell.centre - place), {}};
@@ -99,28 +104,32 @@ bool looks_alike_from_everywhere(const PathScene& scene, const PathStart& start)
   return lobes.has_diffuse && !lobes.has_glossy && specular_branches(bsdf, start.outgoing).count == 0;
 }
 
-/// The first hit of a ray as a leaf.
-std::optional<SpecularLeaf> first_hit(const PathScene& scene, const Ray& ray, PathCounts& counts) {
+/// The first surface on a ray as a leaf, dimmed by the media before it, and a particle of those media as another.
+std::vector<SpecularLeaf> first_hits(const PathScene& scene, const Ray& ray, PathCounts& counts) {
   ++counts.rays;
-  const auto hit = scene.accelerator.closest_hit(ray);
-  if (!hit) return std::nullopt;
-  const Material& material = material_at(scene.scene, hit->point);
-  SpecularLeaf leaf;
-  leaf.start = {shading_point(material, hit->point), -ray.direction, scene.automaton.start(), 1};
-  leaf.optical_path = leaf.distance = hit->distance;
-  return leaf;
+  std::vector<SpecularLeaf> leaves;
+  const auto add = [&](const Hit& hit, Vec3 weight) {
+    const Material& material = material_at(scene.scene, hit.point);
+    SpecularLeaf leaf;
+    leaf.start = {shading_point(material, hit.point), -ray.direction, scene.automaton.start(), 1};
+    leaf.optical_path = leaf.distance = hit.distance;
+    leaf.weight = weight;
+    leaves.push_back(std::move(leaf));
+  };
+  const auto hit = scene.accelerator.closest_hit(ray, Aim::exact, {.has_media = false});
+  const double distance = hit ? hit->distance : std::numeric_limits<double>::infinity();
+  if (hit) add(*hit, scene.accelerator.transmittance(ray, distance));
+  if (const auto particle = scene.accelerator.particle_before(ray, distance)) add(*particle, particle->weight);
+  return leaves;
 }
 
 }  // namespace
 
 std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& params, double side, const Ray& ray,
                                 uint64_t sample, PathCounts& counts) {
-  std::vector<SpecularLeaf> leaves;
   const Ray seen = scene.accelerator.from_viewer(ray);
-  if (follows_mirrors(params.phase))
-    leaves = follow_specular(scene, seen, counts);
-  else if (auto leaf = first_hit(scene, seen, counts))
-    leaves.push_back(std::move(*leaf));
+  std::vector<SpecularLeaf> leaves =
+      follows_mirrors(params.phase) ? follow_specular(scene, seen, counts) : first_hits(scene, seen, counts);
   const double to_panel = length(ray.origin - seen.origin);
   std::vector<RayWave> waves;
   for (SpecularLeaf& leaf : leaves) {

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "holotrace/base/vec.h"
+#include "holotrace/data/scene.h"
+#include "holotrace/trace/geometry/accelerator.h"
+#include "holotrace/trace/shared/ray.h"
+
+namespace holotrace {
+
+/// The media of a scene: where a ray is in which of them, where a particle stops it, and how much light passes.
+///
+/// **Where.** Closed meshes whose material has a medium, boxes, and one medium for the rest of space. Inside several of them, the
+/// one that the ray entered last counts. Solids of glass without a medium are empty. Nothing is remembered along a path: all
+/// boundaries on the whole line tell where it began.
+///
+/// **Free flight.** A ray meets a particle at the distance t with the density σ(t)·T(t), T = exp(−∫σ dt). Colours may have
+/// different σ. The distance is then drawn by one of the three lines, chosen at random, and the light is weighted by the mean of
+/// the densities of all three (E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997, section 9.2.4, with one
+/// sample; A. Wilkie et al., EGSR 2014):
+///
+///     weightᵢ = σᵢ·Tᵢ / (⅓·Σⱼ σⱼ·Tⱼ),   at a surface Tᵢ / (⅓·Σⱼ Tⱼ)
+///
+/// With equal σ the weight is 1. In a grid of densities, particles are drawn by delta tracking: tentative ones have the density of
+/// the local majorant μ, and each is real with the probability σ/μ. Majorants are those of 8 × 8 × 8 cells of the grid.
+///
+/// **Transmittance** is exp(−σ·t) in even media, and by ratio tracking in grids: T is the product of 1 − σ/μ over tentative
+/// particles (J. Novák, A. Selle, W. Jarosz, SIGGRAPH Asia 2014), whose mean is exact.
+///
+/// Random numbers are a hash of the ray: the same ray always meets the same particle, so particles stand still. Calls may run on
+/// several threads at once. Keeps a reference to the scene.
+class Media {
+ public:
+  /// @param lines  at which the extinction is taken
+  /// @throws Error, naming the medium or mesh, for a mesh that is not closed, two media that fill all of space, and a medium that
+  ///         reaches through the plane of the panel
+  Media(const Scene& scene, const Lines& lines);
+  ~Media();
+
+  /// Lets a particle stop a ray that has met the surface of `hit`, or none if `found` is false. Sets the weight of the hit in any
+  /// case.
+  /// @return  whether the ray has met a surface or a particle
+  bool stop(const Ray& ray, bool found, Hit& hit) const;
+
+  /// A particle on the ray before a distance [m], which may be infinite, with the weight of all light that particles send from
+  /// there. In even media there always is one; in grids with the probability of free flight.
+  std::optional<Hit> particle_before(const Ray& ray, double distance) const;
+
+  /// The share of light at the lines that passes on the ray before a distance [m], which may be infinite.
+  Vec3 transmittance(const Ray& ray, double distance) const;
+
+  /// Largest z of a box [m]; 0 if all are behind the panel.
+  double front() const { return front_; }
+
+ private:
+  class Grid;
+  struct Kind {
+    Vec3 extinction;  // at the lines [1/m]
+    int material;
+    const Grid* grid;  // nullptr: even
+  };
+  struct Region {
+    int medium;  // −1: empty
+    MediumBox box;
+  };
+  struct Segment {
+    double from, to;  // [m]
+    int medium;
+  };
+  static constexpr size_t most_crossings = 64;  // of one ray; further ones do not count
+  struct Segments {
+    std::array<Segment, 2 * most_crossings> list;
+    size_t count = 0;
+  };
+  struct Flight {
+    double distance = 0;  // [m]
+    int medium = -1;      // −1: no particle
+    Vec3 weight{1, 1, 1};
+  };
+
+  void find_segments(const Ray& ray, double end, Segments& segments) const;
+  Flight fly(const Ray& ray, double end, bool surely) const;
+  Hit particle(const Ray& ray, const Flight& flight) const;
+  template <class Visit>
+  bool visit_tentative(const Ray& ray, const Segment& segment, uint64_t& random, const Visit& visit) const;
+
+  std::vector<Kind> kinds_;                   // of each medium
+  std::vector<std::unique_ptr<Grid>> grids_;  // of those that have one
+  std::vector<int> of_mesh_;                  // medium of each mesh of boundaries_
+  Scene bounding_;                            // the meshes that bound media
+  std::unique_ptr<Accelerator> boundaries_;   // nullptr if there are none
+  std::vector<Region> boxes_;
+  int everywhere_ = -1;
+  double front_ = 0;
+};
+
+/// The media of a scene; nullptr if there are none.
+std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines);
+
+/// Checks numbers and grids. @throws Error, naming the medium
+void check_medium(const Medium& medium);
+
+}  // namespace holotrace
