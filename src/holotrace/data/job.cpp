@@ -62,13 +62,14 @@ struct SurfaceColour {
       is_any = is_any || is_coloured(colour->value) || is_coloured(colour->texture.image);
     return is_any;
   }
+  bool operator()(const MeasuredMaterial&) const { return true; }
 };
 
 struct LightColour {
-  bool operator()(const PointLight& light) const { return is_coloured(light.intensity); }
-  bool operator()(const SpotLight& light) const { return is_coloured(light.intensity); }
-  bool operator()(const DirectionalLight& light) const { return is_coloured(light.irradiance); }
-  bool operator()(const RectangleLight& light) const { return is_coloured(light.radiance); }
+  bool operator()(const PointLight& light) const { return light.spectrum || is_coloured(light.intensity); }
+  bool operator()(const SpotLight& light) const { return light.spectrum || is_coloured(light.intensity); }
+  bool operator()(const DirectionalLight& light) const { return light.spectrum || is_coloured(light.irradiance); }
+  bool operator()(const RectangleLight& light) const { return light.spectrum || is_coloured(light.radiance); }
 };
 
 }  // namespace
@@ -76,7 +77,8 @@ struct LightColour {
 bool has_colours(const Scene& scene) {
   const auto any = [](const auto& list, const auto& test) { return std::any_of(list.begin(), list.end(), test); };
   return is_coloured(scene.background) ||
-         (scene.environment && (is_coloured(scene.environment->scale) || is_coloured(scene.environment->map))) ||
+         (scene.environment &&
+          (scene.environment->sky || is_coloured(scene.environment->scale) || is_coloured(scene.environment->map))) ||
          any(scene.lights, [](const Light& light) { return std::visit(LightColour(), light); }) ||
          any(scene.materials,
              [](const Material& m) {

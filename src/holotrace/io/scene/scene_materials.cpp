@@ -11,6 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/named_light.h"
 #include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/measured_file.h"
 #include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/toml_table.h"
 
@@ -284,6 +285,16 @@ PrincipledMaterial read_principled(TomlTable& table) {
   return surface;
 }
 
+MeasuredMaterial read_measured(TomlTable& table) {
+  std::string file;
+  table.require_key("file");
+  table.text("file", file);
+  MeasuredMaterial surface;
+  table.locate("file",
+               [&] { surface.brdf = std::make_shared<MeasuredBrdf>(load_measured(table.beside("file", file))); });
+  return surface;
+}
+
 }  // namespace
 
 Material read_material(TomlTable table) {
@@ -300,10 +311,12 @@ Material read_material(TomlTable table) {
     material.surface = read_metallic_roughness(table);
   else if (type == "principled")
     material.surface = read_principled(table);
+  else if (type == "measured")
+    material.surface = read_measured(table);
   else
-    throw Error(table.where("type") +
-                unknown_name_message("material type", type,
-                                     {"diffuse", "conductor", "dielectric", "metallic-roughness", "principled"}));
+    throw Error(table.where("type") + unknown_name_message("material type", type,
+                                                           {"diffuse", "conductor", "dielectric", "metallic-roughness",
+                                                            "principled", "measured"}));
   material.emission_texture = read_texture(table, "emission_texture");
   if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file has an emission
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());

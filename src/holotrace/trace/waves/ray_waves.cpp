@@ -1,6 +1,7 @@
 #include "holotrace/trace/waves/ray_waves.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -99,13 +100,21 @@ bool looks_alike_from_everywhere(const PathScene& scene, const PathStart& start)
   return lobes.has_diffuse && !lobes.has_glossy && specular_branches(bsdf, start.outgoing).count == 0;
 }
 
-/// The first hit of a ray as a leaf.
+/// The first hit of a ray as a leaf, or the background.
 std::optional<SpecularLeaf> first_hit(const PathScene& scene, const Ray& ray, PathCounts& counts) {
   ++counts.rays;
   const auto hit = scene.accelerator.closest_hit(ray);
-  if (!hit) return std::nullopt;
-  const Material& material = material_at(scene.scene, hit->point);
   SpecularLeaf leaf;
+  if (!hit) {
+    if (!scene.params.shows_background) return std::nullopt;
+    leaf.kind = LeafKind::beyond;
+    leaf.start.outgoing = -ray.direction;
+    leaf.start.state = scene.automaton.start();
+    leaf.is_far = true;
+    leaf.distance = leaf.optical_path = background_distance;
+    return leaf;
+  }
+  const Material& material = material_at(scene.scene, hit->point);
   leaf.start = {shading_point(material, hit->point), -ray.direction, scene.automaton.start(), 1};
   leaf.optical_path = leaf.distance = hit->distance;
   return leaf;
@@ -127,7 +136,8 @@ std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& param
     leaf.optical_path -= to_panel;
     leaf.distance -= to_panel;
     if (leaf.lines) leaf.lines->first -= to_panel, leaf.lines->second -= to_panel;
-    const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
+    const bool is_place = leaf.chain.empty() && leaf.kind != LeafKind::beyond;
+    const Vec3 origin = is_place ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
     auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
     cell.image = origin;
     LeafLight light = light_from(scene, params, leaf, sample, counts);
@@ -148,6 +158,13 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
                                       Vec3 place, uint64_t sample, PathCounts& counts) {
   const SpecularLeaf& model = wave.leaf;
   SpecularLeaf leaf;
+  if (model.chain.empty() && model.kind == LeafKind::beyond) {
+    ++counts.shadow_rays;
+    const Ray ray = scene.accelerator.from_viewer({place, -model.start.outgoing});
+    if (scene.accelerator.is_occluded(ray, std::numeric_limits<double>::infinity(), Aim::exact, {Veils::Kind::passed}))
+      return std::nullopt;
+    return SeenLight{std::nullopt, model.weight};
+  }
   if (model.chain.empty()) {
     const SurfacePoint& point = model.start.point;
     const Vec3 way = point.position.z < place.z ? place - point.position : point.position - place;
