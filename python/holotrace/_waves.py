@@ -110,7 +110,7 @@ def show(hologram: Hologram, slm: Optional[Panel] = None, *, progress: Progress 
     return Field._of(field, watch.facts)
 
 
-@takes("camera", without=("distances", "exposure", "bits", "electrons", "read_noise", "noise_seed", "sweep",
+@takes("camera", without=("distances", "exposure", "bits", "electrons", "read_noise", "noise_seed", "colours", "sweep",
                           "sweep_views", "sweep_from", "sweep_to", "sweep_seconds", "sweep_format"))
 def expose(
     field: Field,

@@ -63,13 +63,14 @@ struct SurfaceColour {
     return is_any;
   }
   bool operator()(const ScatteringMaterial& m) const { return is_coloured(m.albedo) || m.droplet_radius > 0; }
+  bool operator()(const MeasuredMaterial&) const { return true; }
 };
 
 struct LightColour {
-  bool operator()(const PointLight& light) const { return is_coloured(light.intensity); }
-  bool operator()(const SpotLight& light) const { return is_coloured(light.intensity); }
-  bool operator()(const DirectionalLight& light) const { return is_coloured(light.irradiance); }
-  bool operator()(const RectangleLight& light) const { return is_coloured(light.radiance); }
+  bool operator()(const PointLight& light) const { return light.spectrum || is_coloured(light.intensity); }
+  bool operator()(const SpotLight& light) const { return light.spectrum || is_coloured(light.intensity); }
+  bool operator()(const DirectionalLight& light) const { return light.spectrum || is_coloured(light.irradiance); }
+  bool operator()(const RectangleLight& light) const { return light.spectrum || is_coloured(light.radiance); }
 };
 
 }  // namespace
@@ -77,7 +78,8 @@ struct LightColour {
 bool has_colours(const Scene& scene) {
   const auto any = [](const auto& list, const auto& test) { return std::any_of(list.begin(), list.end(), test); };
   return is_coloured(scene.background) ||
-         (scene.environment && (is_coloured(scene.environment->scale) || is_coloured(scene.environment->map))) ||
+         (scene.environment &&
+          (scene.environment->sky || is_coloured(scene.environment->scale) || is_coloured(scene.environment->map))) ||
          any(scene.lights, [](const Light& light) { return std::visit(LightColour(), light); }) ||
          any(scene.media, [](const Medium& medium) { return is_coloured(medium.extinction); }) ||
          any(scene.materials,

@@ -182,6 +182,26 @@ void members(Archive& archive, DiffuseMaterial& part) {
   archive(reflectance, texture, transmittance);
 }
 template <class Archive>
+void members(Archive& archive, Spectrum& part) {
+  auto& [wavelengths, values] = part;
+  archive(wavelengths, values);
+}
+template <class Archive>
+void members(Archive& archive, MeasuredField& part) {
+  auto& [name, shape, values] = part;
+  archive(name, shape, values);
+}
+template <class Archive>
+void members(Archive& archive, MeasuredBrdf& part) {
+  auto& [fields, alpha, diffuse_share] = part;
+  archive(fields, alpha, diffuse_share);
+}
+template <class Archive>
+void members(Archive& archive, MeasuredMaterial& part) {
+  auto& [brdf] = part;
+  archive(brdf);
+}
+template <class Archive>
 void members(Archive& archive, ConductorMaterial& part) {
   auto& [index, roughness] = part;
   archive(index, roughness);
@@ -251,28 +271,38 @@ void members(Archive& archive, Mesh& part) {
 }
 template <class Archive>
 void members(Archive& archive, PointLight& part) {
-  auto& [position, intensity, is_laser] = part;
-  archive(position, intensity, is_laser);
+  auto& [position, intensity, is_laser, spectrum] = part;
+  archive(position, intensity, is_laser, spectrum);
+}
+template <class Archive>
+void members(Archive& archive, SpotLight& part) {
+  auto& [position, direction, intensity, inner_angle, outer_angle, spectrum] = part;
+  archive(position, direction, intensity, inner_angle, outer_angle, spectrum);
 }
 template <class Archive>
 void members(Archive& archive, DirectionalLight& part) {
-  auto& [direction, irradiance, position, radius, is_laser] = part;
-  archive(direction, irradiance, position, radius, is_laser);
+  auto& [direction, irradiance, position, radius, is_laser, spectrum] = part;
+  archive(direction, irradiance, position, radius, is_laser, spectrum);
 }
 template <class Archive>
 void members(Archive& archive, RectangleLight& part) {
-  auto& [corner, edge_u, edge_v, radiance, is_visible] = part;
-  archive(corner, edge_u, edge_v, radiance, is_visible);
+  auto& [corner, edge_u, edge_v, radiance, is_visible, spectrum] = part;
+  archive(corner, edge_u, edge_v, radiance, is_visible, spectrum);
+}
+template <class Archive>
+void members(Archive& archive, Sky& part) {
+  auto& [turbidity, elevation, azimuth, has_sun] = part;
+  archive(turbidity, elevation, azimuth, has_sun);
 }
 template <class Archive>
 void members(Archive& archive, Environment& part) {
-  auto& [map, scale, turn] = part;
-  archive(map, scale, turn);
+  auto& [map, scale, turn, sky] = part;
+  archive(map, scale, turn, sky);
 }
 template <class Archive>
 void members(Archive& archive, Scene& part) {
-  auto& [materials, meshes, lights, points, background, environment, media] = part;
-  archive(materials, meshes, lights, points, background, environment, media);
+  auto& [materials, meshes, lights, points, background, environment, media, reflectances] = part;
+  archive(materials, meshes, lights, points, background, environment, media, reflectances);
 }
 
 /// A visitor of `describe` that passes on each parameter.

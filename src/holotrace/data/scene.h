@@ -13,7 +13,9 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/image.h"
+#include "holotrace/data/measured_brdf.h"
 #include "holotrace/data/refractive_index.h"
+#include "holotrace/data/spectrum.h"
 
 namespace holotrace {
 
@@ -125,10 +127,15 @@ struct ScatteringMaterial {
   double droplet_radius = 0;  ///< above 0: of water droplets, which replace g [m]
 };
 
+/// A surface whose reflection was measured; its back is like its front.
+struct MeasuredMaterial {
+  std::shared_ptr<const MeasuredBrdf> brdf{};
+};
+
 /// The reflection, transmission and emission of a surface. To add a material: see CONTRIBUTING.md.
 struct Material {
   using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial,
-                               PrincipledMaterial, ScatteringMaterial>;
+                               PrincipledMaterial, MeasuredMaterial, ScatteringMaterial>;
   Surface surface;
   Vec3 emission{0, 0, 0};                           ///< emitted radiance [W/m²/sr]
   std::shared_ptr<const Image> emission_texture{};  ///< multiplies emission (linear light)
@@ -185,6 +192,7 @@ struct PointLight {
   Vec3 position;   ///< [m]
   Vec3 intensity;  ///< radiant intensity [W/sr]
   bool is_laser = false;
+  std::shared_ptr<const Spectrum> spectrum{};  ///< multiplies the intensity, if present; so do those of other lights
 };
 
 /// A point light in a cone: full intensity up to inner_angle from its axis, none beyond outer_angle, smooth between.
@@ -193,6 +201,7 @@ struct SpotLight {
   Vec3 direction;                           ///< unit vector, the direction in which the light travels
   Vec3 intensity;                           ///< radiant intensity on the axis [W/sr]
   double inner_angle = 0, outer_angle = 0;  ///< half angles [rad], 0 ≤ inner ≤ outer ≤ π
+  std::shared_ptr<const Spectrum> spectrum{};
 };
 
 /// Parallel light: the sun, or the beam of a laser, which has a round cross-section and a phase.
@@ -202,6 +211,7 @@ struct DirectionalLight {
   Vec3 position{0, 0, 0};  ///< a point on the axis of the beam [m]; the phase of a laser is 0 in the plane through it
   double radius = std::numeric_limits<double>::infinity();  ///< radius of the beam [m]
   bool is_laser = false;
+  std::shared_ptr<const Spectrum> spectrum{};
 };
 
 /// A rectangle corner + s·edge_u + t·edge_v that emits on the side to which edge_u × edge_v points. A visible one is a
@@ -211,17 +221,28 @@ struct RectangleLight {
   Vec3 corner, edge_u, edge_v;  ///< [m]
   Vec3 radiance;                ///< [W/m²/sr]
   bool is_visible = true;
+  std::shared_ptr<const Spectrum> spectrum{};
 };
 
 /// Light sources other than meshes that emit. New kinds of lights are added to this list.
 using Light = std::variant<PointLight, SpotLight, DirectionalLight, RectangleLight>;
 
+/// A clear sky with its sun, above the horizon y = 0; below, it is black (trace/lights/sky.h).
+struct Sky {
+  double turbidity = 3;    ///< haze, from 1.7 (clear) to 10 (hazy)
+  double elevation = 0.8;  ///< of the sun above the horizon [rad], 0 to π/2
+  double azimuth = 0;      ///< of the sun, from −z to the right (+x) [rad]
+  bool has_sun = true;     ///< whether the disc of the sun shines, too
+};
+
 /// Light from infinitely far away: radiance = scale·map. The map is equirectangular: its middle column
-/// shows the direction −z (behind the scene), its right half +x, its top row +y.
+/// shows the direction −z (behind the scene), its right half +x, its top row +y. A sky takes the place of the map; its
+/// radiance is scale·(that of a nanometre of its spectrum).
 struct Environment {
   std::shared_ptr<const Image> map{};  ///< linear light
   Vec3 scale{1, 1, 1};                 ///< [W/m²/sr] per unit of the map
   double turn = 0;                     ///< rotation of the map about +y, right-handed [rad]
+  std::optional<Sky> sky{};            ///< instead of the map
 };
 
 /// A luminous point, a source of one wave, as bright as a surface of the radiance amplitude² (acceptance.h).
@@ -238,8 +259,9 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Light> lights;
   std::vector<ScenePoint> points;
-  Vec3 background{0, 0, 0};                ///< radiance of rays that leave the scene [W/m²/sr]
-  std::optional<Environment> environment;  ///< radiance of such rays from a map; added to the background
+  Vec3 background{0, 0, 0};                          ///< radiance of rays that leave the scene [W/m²/sr]
+  std::optional<Environment> environment;            ///< radiance of such rays from a map; added to the background
+  Reflectances reflectances = Reflectances::linear;  ///< what the colours of surfaces reflect between the three lines
   std::vector<Medium> media;
 };
 

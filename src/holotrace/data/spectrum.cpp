@@ -1,10 +1,21 @@
 #include "holotrace/data/spectrum.h"
 
+#include <algorithm>
+
 #include "holotrace/base/error.h"
 #include "holotrace/base/pseudo_inverse.h"
 #include "holotrace/data/grid.h"
 
 namespace holotrace {
+
+double Spectrum::at(double wavelength) const {
+  if (wavelengths.empty() || !(wavelength >= wavelengths.front() && wavelength <= wavelengths.back())) return 0;
+  const auto next = std::upper_bound(wavelengths.begin(), wavelengths.end(), wavelength);
+  if (next == wavelengths.end()) return values.back();
+  const auto i = size_t(next - wavelengths.begin());
+  const double share = (wavelength - wavelengths[i - 1]) / (wavelengths[i] - wavelengths[i - 1]);
+  return values[i - 1] + share * (values[i] - values[i - 1]);
+}
 
 std::vector<Vec3> colour_matrix(const std::vector<double>& wavelengths) {
   require(!wavelengths.empty(), "expected at least one wavelength to make colours of, got none");

@@ -26,6 +26,18 @@ inline Vec3 channel_weights(double wavelength) {
 /// Luminance of linear red, green and blue with the weights of ITU-R BT.709 (primaries of sRGB), in their unit.
 inline double luminance(double red, double green, double blue) { return 0.2126 * red + 0.7152 * green + 0.0722 * blue; }
 
+/// What colours of surfaces reflect at a wavelength. `linear`: channel_weights. `smooth`: a smooth spectrum that has the colour
+/// in daylight (data/smooth_reflectance.h).
+enum class Reflectances { linear, smooth };
+
+/// A function of the wavelength: linear between its samples, 0 beyond them (data/light_spectrum.h makes those of lamps).
+struct Spectrum {
+  std::vector<double> wavelengths;  ///< [m], ascending
+  std::vector<double> values;       ///< one for each
+
+  double at(double wavelength) const;
+};
+
 /// Red, green and blue of light that is measured at N wavelengths:
 ///
 ///     rgb = Σₙ Mₙ·Iₙ,   M = W⁺ (3 × N),   W (N × 3) with the rows channel_weights(λₙ)

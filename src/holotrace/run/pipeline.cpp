@@ -396,6 +396,8 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
   }
   b.views_beside = images_of(b.viewpoints, sums, ViewKind::beside);
   read_views(b.views_beside, b.white, ViewKind::beside, job.camera);
+  show_colours(b.viewpoints, sums, ViewKind::distance, job.camera, b.views);
+  show_colours(b.viewpoints, sums, ViewKind::beside, job.camera, b.views_beside);
   b.sweep = expose_series(b.viewpoints, sums, ViewKind::sweep, job.camera);
   b.stereo_views = expose_series(b.viewpoints, sums, ViewKind::eye, job.camera);
   report_sweep(b.viewpoints, b.sweep, showing.repeat);

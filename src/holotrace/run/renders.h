@@ -20,8 +20,8 @@ struct PlannedRender {
 /// References of a run: one for all camera distances. With a lens, or an eye off the panel's centre, positions in the
 /// picture depend on the distance; then there is one for each.
 ///
-/// They show the light that makes waves. Where a ray from the panel meets nothing there is none, so the background is
-/// left out.
+/// They show the light that makes waves. Where a ray from the panel meets nothing there is none, unless the background makes
+/// waves, too (TraceParams::has_background).
 std::vector<PlannedRender> plan_renders(const Job& job);
 
 /// What each eye of a viewer would see of the scene itself, focused where the holographic pair is; empty without
@@ -32,7 +32,8 @@ std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 /// views, or what [render] says.
 Vec2 middle_of_renders(const Job& job, double distance);
 
-/// Parameters of a render that shows the light which makes waves: that of the job's path expressions, without the background.
+/// Parameters of a render that shows the light which makes waves: that of the job's path expressions, and the background only if
+/// it makes waves, too.
 RenderParams light_of_waves(const Job& job, RenderParams params);
 
 /// Paths of a quick reference for a full one: a quarter, an even number.

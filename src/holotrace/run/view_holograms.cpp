@@ -63,6 +63,17 @@ void read_views(std::vector<Image>& views, double white, ViewKind kind, const Ca
   for (Image& view : views) view = add_sensor_noise(view, white, camera, exposure++);
 }
 
+void show_colours(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
+                  const CameraParams& camera, std::vector<Image>& views) {
+  if (camera.colours == ViewColours::lines) return;
+  size_t next = 0;
+  for (size_t i = 0; i < from.size(); ++i)
+    if (from[i].kind == kind) {
+      Image& view = views[next++];
+      view = in_cie_colours(view, sums[i].wavelengths());
+    }
+}
+
 ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera) {
   ViewSeries out;
@@ -70,6 +81,7 @@ ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<C
   if (out.images.empty()) return out;
   out.white = common_white(out.images, camera.exposure);
   read_views(out.images, out.white, kind, camera);
+  show_colours(from, sums, kind, camera, out.images);
   return out;
 }
 

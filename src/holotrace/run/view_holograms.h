@@ -30,6 +30,10 @@ std::vector<Image> images_of(const std::vector<Viewpoint>& from, const std::vect
 /// The same as the camera's sensor reads them (view/sensor.h), with that irradiance as white [W/m²].
 void read_views(std::vector<Image>& views, double white, ViewKind kind, const CameraParams& camera);
 
+/// The views of one kind, as `colours` of the camera says; before, they are in the scene's colours, as metrics compare them.
+void show_colours(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
+                  const CameraParams& camera, std::vector<Image>& views);
+
 /// The views of one kind with a common exposure, as the camera's sensor reads them (view/sensor.h).
 ViewSeries expose_series(const std::vector<Viewpoint>& from, const std::vector<CombinedViews>& sums, ViewKind kind,
                          const CameraParams& camera);

@@ -233,10 +233,14 @@ void shade_piece(const Shade& s, const Piece& piece, uint64_t index, ShadedBlock
   }
 }
 
-void warn_of_left_out(const Scene& scene, const std::vector<WaveSet>& sets, const Observer& observer) {
+void warn_of_left_out(const Scene& scene, const TraceParams& params, const std::vector<WaveSet>& sets,
+                      const Observer& observer) {
   if (!scene.points.empty())
     observer.warn(
         fmt::format("{} luminous points are left out: the method triangles shows only surfaces", scene.points.size()));
+  if (params.has_background)
+    observer.warn(
+        "the method triangles leaves out the background, which has no triangles; use another method to show it");
   if (std::any_of(sets.begin(), sets.end(), [](const WaveSet& set) { return set.has_laser; }))
     observer.warn("the method triangles does not follow the phase of lasers: it treats their light as incoherent");
 }
@@ -278,7 +282,7 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
     const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
-    if (g == 0) warn_of_left_out(scene, sets, observer);
+    if (g == 0) warn_of_left_out(scene, params, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
                    fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));
     const Shade shade{path_scene, params, panel, sets, shading, longest};

@@ -367,7 +367,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
     const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
-    if (!pattern && has_surfaces(scene)) pattern.emplace(params, panel, cones.of_rays);
+    if (!pattern && (has_surfaces(scene) || params.has_background)) pattern.emplace(params, panel, cones.of_rays);
     if (g == 0) warn_of_caustics(path_scene, observer);
     const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g], cones);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
@@ -376,7 +376,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     const Observer part = part_of(observer, int(g), int(groups.size()));
     trace_group(tracing, part, totals, sets);
   }
-  if (has_surfaces(scene)) {
+  if (pattern) {
     report(totals.counts, params.max_depth, observer);
     observer.fact("first_hits", Fact(totals.first_hits));
     if (follows_mirrors(params.phase)) observer.fact("far_waves", Fact(totals.far_waves));

@@ -6,6 +6,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
+#include "holotrace/data/cie.h"
 #include "holotrace/data/spectrum.h"
 #include "holotrace/view/camera.h"
 
@@ -133,6 +134,25 @@ Image seen_at(const Image& rgb, const std::vector<double>& wavelengths) {
     }
     Vec3 seen;
     for (size_t n = 0; n < wavelengths.size(); ++n) seen = seen + matrix[n] * radiance_at(wavelengths[n], colour);
+    out.values[3 * i] = float(seen.x);
+    out.values[3 * i + 1] = float(seen.y);
+    out.values[3 * i + 2] = float(seen.z);
+  });
+  return out;
+}
+
+Image in_cie_colours(const Image& image, const std::vector<double>& wavelengths) {
+  const std::vector<Vec3> matrix = cie_colour_matrix(wavelengths);
+  Image out(image.ny, image.nx, 3);
+  out.pitch = image.pitch;
+  out.centre_x = image.centre_x;
+  out.centre_y = image.centre_y;
+  each_pixel(image.ny, image.nx, [&](size_t i) {
+    const float* c = &image.values[i * size_t(image.channels)];
+    const Vec3 colour = image.channels == 1 ? Vec3{c[0], c[0], c[0]} : Vec3{c[0], c[1], c[2]};
+    Vec3 sum;
+    for (size_t n = 0; n < wavelengths.size(); ++n) sum += matrix[n] * radiance_at(wavelengths[n], colour);
+    const Vec3 seen = within_gamut(sum);
     out.values[3 * i] = float(seen.x);
     out.values[3 * i + 1] = float(seen.y);
     out.values[3 * i + 2] = float(seen.z);

@@ -71,6 +71,12 @@ class CombinedViews {
 /// channel counts as grey: it stays as it is for one wavelength, and becomes three channels for more.
 Image seen_at(const Image& rgb, const std::vector<double>& wavelengths);
 
+/// A picture of CombinedViews, or one in the scene's colours, as the CIE 1931 standard observer sees it in light of the given
+/// wavelengths: three channels of linear sRGB, Σₙ Cₙ·Iₙ with the columns Cₙ of cie_colour_matrix (data/cie.h) and Iₙ the light at
+/// each wavelength, got back by W·rgb. Up to three wavelengths with different colours it is exact. Colours outside of sRGB are
+/// mixed with white (within_gamut).
+Image in_cie_colours(const Image& image, const std::vector<double>& wavelengths);
+
 /// The pixels of a view, without light, in the plane in focus. Their centre is counted from that of the render.
 Image sensor_at(const ViewPlace& place, int rows, int columns);
 

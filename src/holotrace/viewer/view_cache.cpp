@@ -62,7 +62,7 @@ RenderParams params_for(const Job& job, const CameraParams& camera) {
   const Vec2 middle = middle_of_window(camera, distance, job.encode.image);
   params.azimuth = std::atan(middle.x);
   params.elevation = std::atan(middle.y);
-  params.has_background = false;
+  params.has_background = job.trace.has_background;
   if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
   return params;
 }

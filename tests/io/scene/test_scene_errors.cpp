@@ -78,7 +78,7 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
   EXPECT_EQ(
       error_with("[scene]\n"),
       "2:2: unknown key \"scene\"; known: animate, background, camera, encode, environment, eye, light, materials, object, "
-      "propagate, render, shape, show, shutter, slm, synthesize, time, trace, wavelength");
+      "propagate, reflectances, render, shape, show, shutter, slm, synthesize, time, trace, wavelength");
 }
 
 TEST(SceneFileErrors, UnknownNamesAreRefused) {

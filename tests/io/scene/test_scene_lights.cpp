@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "holotrace/base/units.h"
+#include "holotrace/data/light_spectrum.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "io/scene/scene_text.h"
@@ -140,6 +141,64 @@ TEST(SceneLights, AMapThatIsNoneIsNamed) {
             "2:1: expected the key \"map\" in [environment], which is missing");
   EXPECT_EQ(error_of_light("[environment]\nmap = \"square.png\"\nturn = 90"),
             "4:8: expected an angle with its unit, such as \"15 deg\", for \"turn\", got the bare number 90");
+}
+
+TEST(SceneLights, ASkyTakesThePlaceOfAMap) {
+  const auto environment =
+      scene("[environment]\nsky = { turbidity = 4, elevation = \"30 deg\", azimuth = \"-20 deg\", sun = false }")
+          .environment;
+  ASSERT_TRUE(environment && environment->sky);
+  EXPECT_EQ(environment->sky->turbidity, 4);
+  EXPECT_DOUBLE_EQ(environment->sky->elevation, pi / 6);
+  EXPECT_DOUBLE_EQ(environment->sky->azimuth, -pi / 9);
+  EXPECT_FALSE(environment->sky->has_sun);
+  EXPECT_EQ(error_of_light("[environment]\nsky = { elevation = \"-5 deg\" }"),
+            "3:21: expected an angle from 0 deg to 90 deg for \"elevation\", got -5 deg");
+  EXPECT_EQ(error_of_light("[environment]\nsky = { elevation = \"9 deg\", turbidity = 30 }"),
+            "3:42: expected a number from 1.7 to 10 for \"turbidity\", got 30");
+  EXPECT_EQ(error_of_light("[environment]\nsky = { turbidity = 3 }"),
+            "3:7: expected the key \"elevation\" in [sky], which is missing");
+  EXPECT_EQ(error_of_light("[environment]\nmap = \"a.png\"\nsky = { elevation = \"9 deg\" }"),
+            "4:7: expected either a \"map\" or a \"sky\" in [environment], got both");
+  EXPECT_EQ(error_of_light("[environment]\nsky = { elevation = \"9 deg\" }\nscale = -1").substr(0, 5), "4:9: ");
+}
+
+std::shared_ptr<const Spectrum> spectrum_of_point(const std::string& text) {
+  const auto lights =
+      scene("[[light]]\ntype = \"point\"\nposition = \"0 0 -1 m\"\nintensity = 1\nspectrum = " + text).lights;
+  return std::get<PointLight>(lights.front()).spectrum;
+}
+
+std::string error_of_spectrum(const std::string& text) {
+  return error_of_light("[[light]]\ntype = \"point\"\nposition = \"0 0 -1 m\"\nintensity = 1\nspectrum = " + text);
+}
+
+TEST(SceneLights, LampsHaveSpectra) {
+  EXPECT_EQ(spectrum_of_point("\"3000 K\"")->values, blackbody_spectrum(3000).values);
+  EXPECT_EQ(spectrum_of_point("\"D65\"")->values, illuminant_spectrum("D65").values);
+  EXPECT_EQ(spectrum_of_point("{ peak = \"520 nm\", width = \"30 nm\" }")->values, led_spectrum(520e-9, 30e-9).values);
+  make_file("lamp.csv", "# of a shop\n380 nm, 0\n500 nm, 2\n780 nm, 0\n");
+  const auto table = spectrum_of_point("\"lamp.csv\"");
+  EXPECT_NEAR(table->at(440e-9) / table->at(500e-9), 0.5, 1e-12) << "linear between its lines";
+}
+
+TEST(SceneLights, BadSpectraSayWhatWasExpected) {
+  EXPECT_EQ(error_of_spectrum("\"D66\""), "6:12: unknown illuminant \"D66\"; did you mean \"D65\"?");
+  EXPECT_EQ(error_of_spectrum("\"20 K\""), "6:12: expected a temperature of a lamp from 1000 to 40000 K, got 20 K");
+  EXPECT_EQ(error_of_spectrum("\"none.csv\"").substr(0, 6), "6:12: ");
+  const std::string bad = make_file("bad.csv", "380 nm 1\n500 2\n");
+  EXPECT_EQ(
+      error_of_spectrum("\"bad.csv\""),
+      "6:12: " + bad + ":2: expected a wavelength with its unit and a value, such as \"450 nm 0.8\", got \"500 2\"");
+  const std::string negative = make_file("negative.csv", "380 nm 1\n500 nm -2\n");
+  EXPECT_EQ(error_of_spectrum("\"negative.csv\""),
+            "6:12: " + negative + ":2: expected a spectrum of 0 or more, got -2");
+  const std::string back = make_file("back.csv", "500 nm 1\n480 nm 2\n");
+  EXPECT_EQ(error_of_spectrum("\"back.csv\""),
+            "6:12: " + back + ":2: expected wavelengths in ascending order, got 480 nm after 500 nm");
+  EXPECT_EQ(
+      error_of_light("[[light]]\ntype = \"laser-point\"\nposition = \"0 0 -1 m\"\nintensity = 1\nspectrum = \"A\""),
+      "6:12: expected a lamp without a \"spectrum\", got a laser, whose light has one wavelength");
 }
 
 TEST(SceneWavelengths, OneOrSeveralInTheOrderOfTheFile) {

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
+#include "holotrace/data/rgl_brdf.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_materials.h"
@@ -146,6 +150,113 @@ TEST(SceneMaterials, PrincipledHasTheKeysOfItsLayers) {
             "4:21: expected a number of 1 or more for \"iridescence_index\", got 0.5");
   EXPECT_EQ(error_of_material("type = \"principled\"\nattenuation_distance = \"0 mm\""),
             "4:24: expected a length above 0 m for \"attenuation_distance\", got 0 m");
+}
+
+// The bytes of a table of the MERL database whose numbers are all `value`.
+std::string merl_bytes(double value) {
+  const std::array<int32_t, 3> sizes{90, 90, 180};
+  const std::vector<double> values(3 * merl_cells, value);
+  std::string bytes(reinterpret_cast<const char*>(sizes.data()), sizeof(sizes));
+  return bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+}
+
+TEST(SceneMaterials, MeasuredOnesAreTablesOfTheMerlDatabase) {
+  const auto material = [](const std::string& keys) {
+    return "[materials.m]\ntype = \"measured\"\n" + keys + "\n" + test::cube;
+  };
+  std::string bytes = merl_bytes(300);
+  const double negative = -1;
+  std::memcpy(bytes.data() + 12, &negative, 8);
+  make_file("paint.binary", bytes);
+  const Job job = test::load("wavelength = \"532 nm\"\n" + material("file = \"paint.binary\""));
+  const auto& field = std::get<MeasuredMaterial>(job.scene.materials.front().surface).brdf->fields.front();
+  // The factors of the database: 1/1500, 1.15/1500, 1.66/1500.
+  EXPECT_EQ(field.values[0], 0.0F) << "below 0: not measured";
+  EXPECT_FLOAT_EQ(field.values[1], 0.2F);
+  EXPECT_FLOAT_EQ(field.values[merl_cells], 0.23F);
+  EXPECT_FLOAT_EQ(field.values[2 * merl_cells], 0.332F);
+
+  const auto error = [&](const std::string& keys) { return test::error_with(material(keys)); };
+  EXPECT_EQ(error(""), "2:1: expected the key \"file\" in [materials.m], which is missing");
+  EXPECT_NE(error("file = \"none.binary\"").find("expected a measured BRDF"), std::string::npos);
+  make_file("text.binary", "only text, no table");
+  EXPECT_NE(error("file = \"text.binary\"")
+                .find("expected a table of the MERL or the RGL database of materials, got another file"),
+            std::string::npos);
+  make_file("cut.binary", bytes.substr(0, 1000));
+  EXPECT_NE(error("file = \"cut.binary\"")
+                .find("expected 34992012 bytes of a table of the MERL database, got 1000; load it again"),
+            std::string::npos);
+  const double infinite = std::numeric_limits<double>::infinity();
+  std::memcpy(bytes.data() + 20, &infinite, 8);
+  make_file("infinite.binary", bytes);
+  EXPECT_NE(error("file = \"infinite.binary\"").find("expected finite values, got inf as number 1"), std::string::npos);
+}
+
+// A field of an RGL file: its name, shape and values.
+struct RglTable {
+  std::string name;
+  std::vector<uint64_t> shape;
+  std::vector<float> values;
+};
+
+template <class Number>
+void append(std::string& bytes, Number number) {
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+}
+
+// The bytes of a spectral file of the RGL database.
+std::string rgl_bytes(const std::vector<RglTable>& tables) {
+  std::string bytes("tensor_file\0\1\0", 14), values(1, '\1');
+  append(bytes, uint32_t(tables.size() + 1));
+  size_t header = bytes.size() + 2 + 8 + 2 + 1 + 8 + 8;  // with the field "jacobian"
+  for (const RglTable& table : tables) header += 2 + table.name.size() + 2 + 1 + 8 + 8 * table.shape.size();
+  const auto describe_field = [&](const std::string& name, const std::vector<uint64_t>& shape, uint8_t kind,
+                                  size_t place) {
+    append(bytes, uint16_t(name.size()));
+    bytes += name;
+    append(bytes, uint16_t(shape.size()));
+    append(bytes, kind);
+    append(bytes, uint64_t(place));
+    for (const uint64_t side : shape) append(bytes, side);
+  };
+  describe_field("jacobian", {1}, 1, header);
+  for (const RglTable& table : tables) {
+    describe_field(table.name, table.shape, 10, header + values.size());
+    values.append(reinterpret_cast<const char*>(table.values.data()), table.values.size() * sizeof(float));
+  }
+  return bytes + values;
+}
+
+TEST(SceneMaterials, MeasuredOnesAreSpectralFilesOfTheRglDatabase) {
+  std::vector<RglTable> tables{{"phi_i", {1}, {0}},
+                               {"theta_i", {2}, {0, 1.5F}},
+                               {"wavelengths", {2}, {400, 700}},
+                               {"ndf", {2, 2}, {2, 1, 2, 1}},
+                               {"sigma", {2, 2}, {1, 1, 1, 1}},
+                               {"vndf", {1, 2, 2, 2}, {3, 3, 3, 3, 5, 5, 5, 5}},
+                               {"spectra", {1, 2, 2, 2, 2}, std::vector<float>(16, 0.25F)}};
+  make_file("cloth.bsdf", rgl_bytes(tables));
+  const auto brdf = surface<MeasuredMaterial>("type = \"measured\"\nfile = \"cloth.bsdf\"").brdf;
+  EXPECT_EQ(brdf->fields[rgl_theta].values, (std::vector<float>{0, 1.5F}));
+  EXPECT_EQ(brdf->fields[rgl_vndf].values, std::vector<float>(8, 1)) << "of integral 1 for each direction";
+  EXPECT_EQ(brdf->fields[rgl_spectra].shape, (std::vector<int>{1, 2, 2, 2, 2}));
+
+  const auto error = [&](const std::string& bytes) {
+    make_file("bad.bsdf", bytes);
+    return error_of_material("type = \"measured\"\nfile = \"bad.bsdf\"");
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  const std::string whole = rgl_bytes(tables);
+  EXPECT_TRUE(has(error(whole.substr(0, whole.size() - 1)), "expected more than"))
+      << error(whole.substr(0, whole.size() - 1));
+  EXPECT_TRUE(has(error(whole.substr(0, 40)), "expected more than 40 bytes; the file is cut off"));
+  tables[3].values[1] = -1;
+  EXPECT_TRUE(has(error(rgl_bytes(tables)),
+                  "bad.bsdf: expected values of 0 or more in the field \"ndf\" of a measured BRDF, got -1"));
+  tables.erase(tables.begin() + 3);
+  EXPECT_TRUE(has(error(rgl_bytes(tables)),
+                  "expected a field \"ndf\", which a spectral file of the RGL database has, got none"));
 }
 
 TEST(SceneMaterials, UnknownNamesSuggestTheNearest) {

@@ -23,6 +23,10 @@ enum class PixelSampling { integrate, point };
 /// the panel's middle. Automatic: the second, for an eye that moves or that the holograms are made for (run/choose.h).
 enum class ViewWindow { automatic, axis, eye };
 
+/// Colours of pictures of several wavelengths. `lines`: the colours of the scene are got back (colour_matrix of data/spectrum.h).
+/// `cie`: as the CIE 1931 standard observer sees the light (cie_colour_matrix of data/cie.h).
+enum class ViewColours { lines, cie };
+
 /// A sensor without a lens (as on the paper's bench), a camera with a thin lens, or an eye; and how the sensor's values
 /// become a picture.
 struct CameraParams {
@@ -41,6 +45,7 @@ struct CameraParams {
   double electrons = 0;   ///< full-well capacity, with shot noise [electrons]; 0: no shot noise
   double read_noise = 0;  ///< read noise per pixel, rms [electrons]; needs `electrons`
   int64_t noise_seed = 1;
+  ViewColours colours = ViewColours::lines;
   Sweep sweep = Sweep::none;            ///< a series of views beside those at `distances`
   int sweep_views = 24;                 ///< number of views of the series
   double sweep_from = 0, sweep_to = 0;  ///< first and last distance (focus) or x of the eye (parallax) [m]
@@ -82,6 +87,10 @@ void describe(Visitor&& v, CameraParams& p) {
   v(number("read_noise", p.read_noise, range::not_negative,
            "read noise per pixel, rms, in electrons; needs electrons"));
   v(count("noise_seed", p.noise_seed, range::not_negative, "seed for the sensor's noise"));
+  v(choice(
+      "colours", p.colours, {{"lines", ViewColours::lines}, {"cie", ViewColours::cie}},
+      "colours of views of several wavelengths: those of the scene (lines), or as the CIE 1931 standard observer sees "
+      "the light, with colours outside of sRGB mixed with white (cie)"));
   v(choice("sweep", p.sweep, {{"none", Sweep::none}, {"focus", Sweep::focus}, {"parallax", Sweep::parallax}},
            "series of views with its animation: through planes of focus, or with the eye moving along x (parallax)"));
   v(count("sweep_views", p.sweep_views, range::from_to(2, 10000), "number of views of the series"));

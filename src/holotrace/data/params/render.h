@@ -36,8 +36,8 @@ struct RenderParams {
   int max_depth = 8;          ///< largest number of surfaces on a light path
   int roulette_depth = 6;     ///< first surface at which roulette may end a light path
   double clamp = 0;           ///< upper limit of the radiance of one path [W/m²/sr]; 0: no limit
-  std::vector<std::string> path_expressions{};  ///< light path expressions whose light is summed; empty: all light
-  bool has_background = true;                   ///< shows the environment where no surface is; holograms leave it out
+  std::vector<std::string> path_expressions{};      ///< light path expressions whose light is summed; empty: all light
+  bool has_background = true;                       ///< shows the environment where no surface is
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
   Denoise denoise = Denoise::automatic;             ///< which pictures are denoised
   Reference reference = Reference::quick;  ///< of `run`: whether and how well it renders what its views should show
@@ -78,7 +78,7 @@ void describe(Visitor&& v, RenderParams& p) {
   v(number("clamp", p.clamp, range::not_negative, "upper limit of the radiance of one path in W/m2/sr; 0: no limit"));
   v(texts("path_expressions", p.path_expressions, "light path expressions whose light is summed; empty: all light"));
   v(flag("background", p.has_background,
-         "environment shown where no surface is; run leaves it out of its reference pictures"));
+         "environment shown where no surface is; reference pictures of run show it if [trace] background is true"));
   v(choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
       "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)"));

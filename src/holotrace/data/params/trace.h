@@ -61,7 +61,8 @@ struct TraceParams {
   bool separate_lights = false;                 ///< one hologram per light: lights do not interfere
   int frames = 0;  ///< M, holograms shown one after the other, of waves with independent phases; 0: chosen, 1 for waves
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
-  int64_t seed = 1;                                 ///< seed for all random numbers
+  bool has_background = false;  ///< light from infinitely far away makes waves where a ray meets no surface
+  int64_t seed = 1;             ///< seed for all random numbers
 };
 
 /// Size of the raster of first hits.
@@ -131,6 +132,10 @@ void describe(Visitor&& v, TraceParams& p) {
   v(choice(
       "accelerator", p.accelerator, {{"embree", Acceleration::embree}, {"grid", Acceleration::grid}},
       "structure that finds the surface on a ray: Embree's trees, or a uniform grid of cells (the paper's appendix)"));
+  v(flag(
+      "background", p.has_background,
+      "background, environment, sky and sun in holograms, as plane waves, where a ray from the panel meets no surface; "
+      "false: they light the scene only"));
   v(count("seed", p.seed, range::not_negative, "seed for all random numbers"));
 }
 

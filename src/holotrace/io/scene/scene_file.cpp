@@ -88,7 +88,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   job.shutter = read_shutter(root);
   choose_time(root, time);
   for (const char* section :
-       {"slm", "materials", "media", "light", "environment", "object", "shape", "background", "trace", "render",
+       {"slm", "materials", "media", "light", "environment", "object", "shape", "background", "reflectances", "trace", "render",
         "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
     root.know(section);
   root.know("wavelength");
@@ -96,6 +96,8 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
 
   job.wavelengths = read_wavelengths(root);
   root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
+  root.choice("reflectances", job.scene.reflectances,
+              {{"linear", Reflectances::linear}, {"smooth", Reflectances::smooth}});
   auto slm = root.table("slm", "preset = \"pluto\"");
   if (slm) slm->read_at(nullptr);  // a panel stays as it is
   job.slm = slm ? read_slm(*slm, "pluto") : slm_preset("pluto");

@@ -1,13 +1,61 @@
 #include "holotrace/io/scene/scene_lights.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <variant>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/light_spectrum.h"
+#include "holotrace/io/files/text.h"
 #include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {
+
+Spectrum load_spectrum(const std::string& path) {
+  check_file_exists(path, "a table of a spectrum");
+  const std::string text = read_lines(path);
+  std::string_view rest = text, line;
+  Spectrum spectrum;
+  for (size_t number = 1; next_line(rest, line); ++number) {
+    std::string content(without_comment(line));
+    std::replace(content.begin(), content.end(), ',', ' ');
+    std::istringstream stream(content);
+    const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+    if (words.empty()) continue;
+    const std::string where = fmt::format("{}:{}: ", path, number);
+    try {
+      require(words.size() == 3, "too few or many words");
+      const double wavelength = parse_length(words[0] + " " + words[1]);
+      double value = 0;
+      const auto [end, error] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), value);
+      require(error == std::errc() && end == words[2].data() + words[2].size(), "no number");
+      spectrum.wavelengths.push_back(wavelength);
+      spectrum.values.push_back(value);
+    } catch (const Error&) {
+      fail("{}expected a wavelength with its unit and a value, such as \"450 nm 0.8\", got \"{}\"", where, line);
+    }
+    require(std::isfinite(spectrum.values.back()) && spectrum.values.back() >= 0,
+            "{}expected a spectrum of 0 or more, got {}", where, spectrum.values.back());
+    const auto& known = spectrum.wavelengths;
+    require(known.size() == 1 || known.back() > known[known.size() - 2],
+            "{}expected wavelengths in ascending order, got {} after {}", where, format_length(known.back()),
+            format_length(known.size() == 1 ? 0 : known[known.size() - 2]));
+  }
+  require(spectrum.wavelengths.size() >= 2, "{}: expected two lines or more such as \"450 nm 0.8\", got {}", path,
+          spectrum.wavelengths.size());
+  try {
+    return scaled_to_luminance(std::move(spectrum));
+  } catch (const Error& e) {
+    fail("{}: {}", path, e.what());
+  }
+}
+
 namespace {
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
@@ -17,6 +65,43 @@ Vec3 read_power(TomlTable& table, const char* key) {
   table.require_key(key);
   table.colour(key, value, unbounded);
   return value;
+}
+
+Spectrum read_led(TomlTable& table) {
+  double peak = 0, width = 0;
+  table.require_key("peak");
+  table.require_key("width");
+  table.length("peak", peak, range::positive, Quantity::wavelength);
+  table.length("width", width, range::positive);
+  table.refuse_unknown_keys();
+  Spectrum spectrum;
+  table.locate("peak", [&] { spectrum = led_spectrum(peak, width); });
+  return spectrum;
+}
+
+// The spectrum of a lamp: "D65", "3200 K", a table of lines, or the curve of an LED; none if its light is even.
+std::shared_ptr<const Spectrum> read_spectrum(TomlTable& table) {
+  const toml::node* node = table.find("spectrum");
+  if (!node) return nullptr;
+  if (node->is_table()) {
+    auto led = *table.table("spectrum");
+    return std::make_shared<Spectrum>(read_led(led));
+  }
+  std::string name;
+  table.text("spectrum", name);
+  Spectrum spectrum;
+  table.locate("spectrum", [&] {
+    double kelvin = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), kelvin);
+    const std::string unit(static_cast<const char*>(end), size_t(name.data() + name.size() - end));
+    if (error == std::errc() && (unit == " K" || unit == "K"))
+      spectrum = blackbody_spectrum(kelvin);
+    else if (name.find('.') != std::string::npos)
+      spectrum = load_spectrum(table.beside("spectrum", name));
+    else
+      spectrum = illuminant_spectrum(name);
+  });
+  return std::make_shared<Spectrum>(std::move(spectrum));
 }
 
 Vec3 read_place(TomlTable& table, const char* key) {
@@ -126,21 +211,46 @@ Image read_environment_map(TomlTable& table) {
   return map;
 }
 
+Sky read_sky(TomlTable& table) {
+  Sky sky;
+  table.require_key("elevation");
+  table.number("turbidity", sky.turbidity, range::from_to(1.7, 10));
+  table.angle("elevation", sky.elevation, range::from_to(0, pi / 2));
+  table.angle("azimuth", sky.azimuth, range::any);
+  table.flag("sun", sky.has_sun);
+  table.refuse_unknown_keys();
+  return sky;
+}
+
 }  // namespace
 
 Light read_light(TomlTable table) {
   table.require_key("type");
   std::string type;
   table.text("type", type);
-  const Light light = read_type(table, type);
+  Light light = read_type(table, type);
+  if (auto spectrum = read_spectrum(table)) {
+    require(type.substr(0, 5) != "laser",
+            "{}expected a lamp without a \"spectrum\", got a laser, whose light has one wavelength",
+            table.where("spectrum"));
+    std::visit([&](auto& l) { l.spectrum = spectrum; }, light);
+  }
   table.refuse_unknown_keys();
   return light;
 }
 
 Environment read_environment(TomlTable table) {
   Environment environment;
-  table.require_key("map");
+  table.know("map");
   table.colour("scale", environment.scale, unbounded);
+  if (auto sky = table.table("sky", "elevation = \"30 deg\"")) {
+    require(!table.has("map"), "{}expected either a \"map\" or a \"sky\" in [environment], got both",
+            table.where("sky"));
+    environment.sky = read_sky(*sky);
+    table.refuse_unknown_keys();
+    return environment;
+  }
+  table.require_key("map");
   table.angle("turn", environment.turn, range::any);
   table.refuse_unknown_keys();
   table.locate("map", [&] { environment.map = std::make_shared<Image>(read_environment_map(table)); });

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "holotrace/data/scene.h"
 #include "holotrace/io/scene/toml_table.h"
 
@@ -10,7 +12,11 @@ namespace holotrace {
 ///         of length 0
 Light read_light(TomlTable table);
 
-/// Reads the table [environment] of a scene file: light from all around, from an equirectangular map.
+/// Reads the spectrum of a lamp from a table of lines "450 nm 0.8", and scales it (data/light_spectrum.h).
+/// @throws Error with file:line for other lines, wavelengths that do not ascend, values below 0, and fewer than two lines
+Spectrum load_spectrum(const std::string& path);
+
+/// Reads the table [environment] of a scene file: light from all around, from an equirectangular map or a sky.
 /// @throws Error with file:line:column for an invalid map: not an image, not twice as wide as high, or with
 ///         negative light
 Environment read_environment(TomlTable table);

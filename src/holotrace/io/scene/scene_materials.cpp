@@ -11,6 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/named_light.h"
 #include "holotrace/io/files/text.h"
+#include "holotrace/io/scene/measured_file.h"
 #include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/toml_table.h"
 
@@ -306,6 +307,16 @@ int read_medium_inside(TomlTable& table, const Material& material, const std::ma
   throw Error(table.where("medium") + unknown_name_message("medium", name, names));
 }
 
+MeasuredMaterial read_measured(TomlTable& table) {
+  std::string file;
+  table.require_key("file");
+  table.text("file", file);
+  MeasuredMaterial surface;
+  table.locate("file",
+               [&] { surface.brdf = std::make_shared<MeasuredBrdf>(load_measured(table.beside("file", file))); });
+  return surface;
+}
+
 }  // namespace
 
 Material read_material(TomlTable table, const std::map<std::string, int>& media) {
@@ -322,12 +333,14 @@ Material read_material(TomlTable table, const std::map<std::string, int>& media)
     material.surface = read_metallic_roughness(table);
   else if (type == "principled")
     material.surface = read_principled(table);
+  else if (type == "measured")
+    material.surface = read_measured(table);
   else if (type == "interface")
     material.opacity = 0;
   else
     throw Error(table.where("type") + unknown_name_message("material type", type,
                                                            {"diffuse", "conductor", "dielectric", "metallic-roughness",
-                                                            "principled", "interface"}));
+                                                            "principled", "measured", "interface"}));
   if (type == "interface") {
     table.require_key("medium");
     material.medium = read_medium_inside(table, material, media);

@@ -181,6 +181,10 @@ void check_surface(const ScatteringMaterial& material, size_t index) {
           "expected a radius of droplets of at most 0.2 mm in material {}, got {} m", index, material.droplet_radius);
 }
 
+void check_surface(const MeasuredMaterial& material, size_t index) {
+  require(material.brdf != nullptr, "expected a table of the measured material {}, got none", index);
+}
+
 void check_material(const Material& material, size_t index) {
   std::visit([&](const auto& surface) { check_surface(surface, index); }, material.surface);
   require(is_light_value(material.emission),
@@ -205,8 +209,21 @@ bool has_texture(const MetallicRoughnessMaterial& material) {
 bool has_texture(const ConductorMaterial&) { return false; }
 bool has_texture(const DielectricMaterial&) { return false; }
 bool has_texture(const ScatteringMaterial&) { return false; }
+bool has_texture(const MeasuredMaterial&) { return false; }
+
+void check_sky(const Sky& sky) {
+  require(sky.turbidity >= 1.7 && sky.turbidity <= 10, "expected a turbidity of the sky from 1.7 to 10, got {}",
+          sky.turbidity);
+  require(sky.elevation >= 0 && sky.elevation <= pi / 2,
+          "expected a sun from the horizon (0 deg) to the zenith (90 deg), got an elevation of {} deg",
+          sky.elevation * 180 / pi);
+  require(std::isfinite(sky.azimuth), "expected a finite azimuth of the sun, got {} rad", sky.azimuth);
+}
 
 void check_environment(const Environment& environment) {
+  require(is_light_value(environment.scale), "expected an environment scale of 0 W/m²/sr or more, got ({}, {}, {})",
+          environment.scale.x, environment.scale.y, environment.scale.z);
+  if (environment.sky) return check_sky(*environment.sky);
   require(environment.map != nullptr, "expected a map in the environment, got none");
   const Image& map = *environment.map;
   const bool is_complete = map.values.size() == size_t(map.nx) * size_t(map.ny) * size_t(map.channels);
@@ -220,8 +237,6 @@ void check_environment(const Environment& environment) {
             "expected an environment map of finite values of 0 or more, got {} in row {}, column {}", map.values[i],
             pixel / size_t(map.nx), pixel % size_t(map.nx));
   }
-  require(is_light_value(environment.scale), "expected an environment scale of 0 W/m²/sr or more, got ({}, {}, {})",
-          environment.scale.x, environment.scale.y, environment.scale.z);
   require(std::isfinite(environment.turn), "expected a finite turn of the environment, got {} rad", environment.turn);
 }
 

@@ -1,10 +1,14 @@
 #include "holotrace/trace/lights/emitters.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/cie.h"
 #include "holotrace/trace/materials/bsdf.h"
 
 namespace holotrace {
@@ -156,6 +160,8 @@ Interval find_interval(Iterator begin, Iterator end, double u) {
   return {int(found - begin), width > 0 ? std::min((u - low) / width, 1 - 0x1p-53) : 0.5};
 }
 
+constexpr int sky_columns = 256;
+
 double cosine_of_edge(int row, int ny) { return std::cos(pi * row / ny); }
 
 }  // namespace
@@ -171,7 +177,10 @@ Vec3 environment_direction(Vec2 place, double turn) {
 }
 
 EnvironmentLight::EnvironmentLight(const Environment& environment, const Lines& lines)
-    : environment_(environment), lines_(lines), nx_(environment.map->nx), ny_(environment.map->ny) {
+    : environment_(environment), lines_(lines), scale_(lines.from_rgb(environment.scale)) {
+  if (environment.sky) sky_.emplace(*environment.sky, lines);
+  nx_ = sky_ ? sky_columns : environment.map->nx;
+  ny_ = sky_ ? sky_columns / 2 : environment.map->ny;
   means_.reserve(size_t(nx_) * size_t(ny_));
   cumulative_.reserve(means_.capacity());
   for (int row = 0; row < ny_; ++row) {
@@ -193,13 +202,18 @@ EnvironmentLight::EnvironmentLight(const Environment& environment, const Lines& 
   }
   if (total_ > 0)
     for (double& value : rows_) value /= total_;
+  if (!sky_) return;
+  const Vec3 sun = scale_ * sky_->sun_radiance() * sun_solid_angle;
+  const double of_sun = sun.x + sun.y + sun.z;
+  sun_share_ = of_sun > 0 ? of_sun / (of_sun + total_) : 0;
 }
 
 /// The colour of a pixel at the lines; columns wrap around, rows are clamped.
 Vec3 EnvironmentLight::pixel(int row, int column) const {
-  const Image& map = *environment_.map;
   row = std::clamp(row, 0, ny_ - 1);
   column = (column % nx_ + nx_) % nx_;
+  if (sky_) return scale_ * sky_->sky_radiance(environment_direction({(column + 0.5) / nx_, (row + 0.5) / ny_}, 0));
+  const Image& map = *environment_.map;
   const Vec3 rgb = map.channels < 3 ? Vec3{1, 1, 1} * double(map(row, column))
                                     : Vec3{map(row, column, 0), map(row, column, 1), map(row, column, 2)};
   return lines_.from_rgb(environment_.scale * rgb);
@@ -214,11 +228,24 @@ Vec3 EnvironmentLight::radiance_at(Vec2 place) const {
 }
 
 Vec3 EnvironmentLight::radiance(Vec3 direction) const {
+  if (sky_) {
+    const Vec3 light = sky_->sky_radiance(direction);
+    return scale_ * (sky_->is_in_sun(direction) ? light + sky_->sun_radiance() : light);
+  }
   return radiance_at(environment_place(direction, environment_.turn));
 }
 
 LightSample EnvironmentLight::sample(Vec2 u) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (u.x < sun_share_) {  // in the disc, evenly
+    const double sine = sun_radius * std::sqrt(u.x / sun_share_);
+    const Vec2 place = point_on_circle(u.y);
+    const Vec3 direction = transform_vector(frame_from_normal(sky_->sun_direction()),
+                                            {sine * place.x, sine * place.y, std::sqrt(1 - sine * sine)});
+    return {direction, infinity, radiance(direction), pdf(direction)};
+  }
   if (!(total_ > 0)) return {};
+  u.x = std::min((u.x - sun_share_) / (1 - sun_share_), 1 - 0x1p-53);
   const Interval row = find_interval(rows_.begin(), rows_.end(), u.y);
   const auto begin = cumulative_.begin() + ptrdiff_t(row.index) * nx_;
   const Interval column = find_interval(begin, begin + nx_, u.x);
@@ -226,18 +253,35 @@ LightSample EnvironmentLight::sample(Vec2 u) const {
   const Vec2 place{(column.index + column.rest) / nx_, std::acos(top + (bottom - top) * row.rest) / pi};
   const double density = double(means_[size_t(row.index) * size_t(nx_) + size_t(column.index)]) / total_;
   if (!(density > 0)) return {};
-  return {environment_direction(place, environment_.turn), std::numeric_limits<double>::infinity(), radiance_at(place),
-          density};
+  const Vec3 direction = environment_direction(place, environment_.turn);
+  if (sky_) return {direction, infinity, radiance(direction), pdf(direction)};
+  return {direction, infinity, radiance_at(place), density};
 }
 
-double EnvironmentLight::pdf(Vec3 direction) const {
+double EnvironmentLight::pixel_pdf(Vec3 direction) const {
   if (!(total_ > 0)) return 0;
   const Vec2 place = environment_place(direction, environment_.turn);
   const int row = std::min(int(place.y * ny_), ny_ - 1), column = std::min(int(place.x * nx_), nx_ - 1);
   return double(means_[size_t(row) * size_t(nx_) + size_t(column)]) / total_;
 }
 
+double EnvironmentLight::pdf(Vec3 direction) const {
+  const double of_pixels = pixel_pdf(direction);
+  if (!(sun_share_ > 0)) return of_pixels;
+  const bool is_in_disc = dot(direction, sky_->sun_direction()) >= std::cos(sun_radius);
+  return of_pixels * (1 - sun_share_) + (is_in_disc ? sun_share_ / sun_solid_angle : 0);
+}
+
 namespace {
+
+/// @throws Error  for a line outside of the range from `shortest` to `longest` [m]
+void require_lines_in(const Lines& lines, double shortest, double longest, const std::string& what) {
+  constexpr double rounding = 1e-15;
+  for (const double line : lines.wavelengths)
+    require(line >= shortest - rounding && line <= longest + rounding,
+            "expected wavelengths from {} to {}, those of {}, got {}", format_length(shortest), format_length(longest),
+            what, format_length(line));
+}
 
 Vec3& strength(PointLight& light) { return light.intensity; }
 Vec3& strength(SpotLight& light) { return light.intensity; }
@@ -249,12 +293,22 @@ Vec3& strength(RectangleLight& light) { return light.radiance; }
 Emitters::Emitters(const Scene& scene, const Lines& lines)
     : lights_(scene.lights), triangles_(scene, lines), background_(lines.from_rgb(scene.background)) {
   for (size_t i = 0; i < lights_.size(); ++i) {
-    std::visit([&](auto& light) { strength(light) = lines.from_rgb(strength(light)); }, lights_[i]);
+    std::visit(
+        [&](auto& light) {
+          strength(light) = lines.from_rgb(strength(light));
+          if (!light.spectrum) return;
+          const std::vector<double>& known = light.spectrum->wavelengths;
+          require_lines_in(lines, known.front(), known.back(), fmt::format("the spectrum of light {}", i));
+          strength(light) *= lines.values_of(*light.spectrum);
+        },
+        lights_[i]);
     const auto* rectangle = std::get_if<RectangleLight>(&lights_[i]);
     if (rectangle && !rectangle->is_visible) lights_on_way_.push_back(int(i));
   }
   for (const Material& material : scene.materials)
     is_emissive_.push_back(max_component(lines.from_rgb(material.emission)) > 0);
+  if (scene.environment && scene.environment->sky)
+    require_lines_in(lines, shortest_visible, longest_visible, "the sky");
   if (scene.environment) environment_.emplace(*scene.environment, lines);
   shine_beyond_surfaces_ =
       environment_ || max_component(background_) > 0 || std::any_of(lights_.begin(), lights_.end(), has_area);

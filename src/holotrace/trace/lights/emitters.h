@@ -10,6 +10,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/lights/light.h"
+#include "holotrace/trace/lights/sky.h"
 #include "holotrace/trace/shared/ray.h"
 
 namespace holotrace {
@@ -82,6 +83,9 @@ Vec3 environment_direction(Vec2 place, double turn);
 /// Pixel p of solid angle Ωₚ = 2π/nx·(cosθ₀ − cosθ₁) is drawn with Pₚ ∝ Ωₚ·L̄ₚ. L̄ₚ is the mean of its radiance, summed
 /// over the lines. A direction in the pixel is drawn evenly: pdf = Pₚ/Ωₚ.
 ///
+/// A sky (sky.h) takes the place of the map. Its radiance comes from its formulas; its pixels, of 1.4°, serve to draw
+/// directions. The disc of the sun is drawn as often as its share of the irradiance across the light's directions.
+///
 /// Reference: M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th ed., section 12.5.
 /// Memory: 12 bytes per pixel. Keeps a pointer to the map.
 class EnvironmentLight {
@@ -100,9 +104,13 @@ class EnvironmentLight {
  private:
   Vec3 pixel(int row, int column) const;
   Vec3 radiance_at(Vec2 place) const;
+  double pixel_pdf(Vec3 direction) const;
 
   Environment environment_;
   Lines lines_;
+  std::optional<SkyModel> sky_;
+  Vec3 scale_;  // at the lines
+  double sun_share_ = 0;
   int nx_, ny_;
   double total_ = 0;                // Σ Ω·L̄
   std::vector<double> rows_;        // cumulative share of the rows, the last one 1

@@ -21,9 +21,9 @@ bool transmits(const DiffuseMaterial& material) { return max_component(material.
 
 Bsdf make(const DiffuseMaterial& material, const SurfacePoint& point, const Lines& lines) {
   const Vec3 colour = textured(material.texture, point);
-  DiffuseBsdf b{point.normal, point.geometric_normal, lines.from_rgb(clip(material.reflectance * colour)), {}};
+  DiffuseBsdf b{point.normal, point.geometric_normal, lines.reflectance_of(clip(material.reflectance * colour)), {}};
   if (!transmits(material)) return b;
-  b.transmittance = lines.from_rgb(clip(material.transmittance * colour));
+  b.transmittance = lines.reflectance_of(clip(material.transmittance * colour));
   b.transmittance = {std::min(b.transmittance.x, 1 - b.reflectance.x),  // at most what is not reflected
                      std::min(b.transmittance.y, 1 - b.reflectance.y),
                      std::min(b.transmittance.z, 1 - b.reflectance.z)};
@@ -58,7 +58,7 @@ Bsdf make(const MetallicRoughnessMaterial& material, const SurfacePoint& point, 
   metallic = clip(metallic);
   roughness = clip(roughness);
   const Vec3 colour = clip(material.base_color * textured(material.base_texture, point));
-  return make_metallic_roughness_bsdf(point.normal, point.geometric_normal, lines.from_rgb(colour), metallic,
+  return make_metallic_roughness_bsdf(point.normal, point.geometric_normal, lines.reflectance_of(colour), metallic,
                                       roughness * roughness);
 }
 
@@ -73,6 +73,10 @@ Bsdf make(const ScatteringMaterial& material, const SurfacePoint&, const Lines& 
   return b;
 }
 
+Bsdf make(const MeasuredMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  return make_measured_bsdf(point, *material.brdf, lines);
+}
+
 /// Whether a one-sided surface is seen from behind.
 bool is_black_back(const Material& material, const SurfacePoint& point) {
   return !material.two_sided && !point.is_front && !solid_index(material);
@@ -84,7 +88,7 @@ std::optional<Vec3> diffuse_reflectance(const Material& material, const SurfaceP
   if (is_black_back(material, point)) return Vec3{};
   const auto* diffuse = std::get_if<DiffuseMaterial>(&material.surface);
   if (!diffuse || transmits(*diffuse)) return std::nullopt;
-  return lines.from_rgb(clip(diffuse->reflectance * textured(diffuse->texture, point)));
+  return lines.reflectance_of(clip(diffuse->reflectance * textured(diffuse->texture, point)));
 }
 
 Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines& lines) {
@@ -135,7 +139,7 @@ bool absorbs_inside(const Material& material) {
 Vec3 transmitted_inside(const Material& material, const SurfacePoint& point, double distance, const Lines& lines) {
   if (point.is_front || !absorbs_inside(material)) return {1, 1, 1};
   const auto& layers = std::get<PrincipledMaterial>(material.surface);
-  const Vec3 colour = lines.from_rgb(layers.attenuation_color);
+  const Vec3 colour = lines.reflectance_of(layers.attenuation_color);
   const double exponent = distance / layers.attenuation_distance;
   return {std::pow(colour.x, exponent), std::pow(colour.y, exponent), std::pow(colour.z, exponent)};
 }

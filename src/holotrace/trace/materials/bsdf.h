@@ -12,6 +12,7 @@
 #include "holotrace/trace/materials/dielectric_bsdf.h"
 #include "holotrace/trace/materials/diffuse_bsdf.h"
 #include "holotrace/trace/materials/lobe.h"
+#include "holotrace/trace/materials/measured_bsdf.h"
 #include "holotrace/trace/materials/metallic_roughness_bsdf.h"
 #include "holotrace/trace/materials/principled_bsdf.h"
 #include "holotrace/trace/materials/scattering_bsdf.h"
@@ -26,7 +27,8 @@
 namespace holotrace {
 
 using Bsdf =
-    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf, ScatteringBsdf>;
+    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf, MeasuredBsdf,
+                 ScatteringBsdf>;
 
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
 ///

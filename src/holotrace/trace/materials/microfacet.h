@@ -6,6 +6,7 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/base/vec.h"
+#include "holotrace/trace/shared/ray.h"
 #include "holotrace/trace/shared/sampling.h"
 
 // Microfacets of the GGX distribution with Smith's masking, in the local frame whose z is the surface normal.
@@ -184,6 +185,25 @@ inline Vec3 facing_normal(Vec3 normal, Vec3 direction) {
 /// The vector in the coordinates of the frame, whose axes are orthonormal.
 inline Vec3 to_local(const Frame& frame, Vec3 v) { return {dot(frame.x, v), dot(frame.y, v), dot(frame.z, v)}; }
 
+/// The unit vector along ∂position/∂u of a surface, seen from its front; without texture coordinates the horizontal one.
+struct SurfaceTangent {
+  Vec3 front, along;
+  double side;  ///< −1 if ∂position/∂v is at the right of it
+};
+
+inline SurfaceTangent surface_tangent(const SurfacePoint& point) {
+  const Vec3 front = point.is_front ? point.normal : -point.normal;
+  const auto across = [&](Vec3 v) { return v - front * dot(front, v); };
+  Vec3 along = across(point.tangent_u);
+  double side = 1;
+  if (length(along) > 0)
+    side = std::copysign(1.0, dot(cross(front, along), point.tangent_v));
+  else  // without texture coordinates: around the vertical
+    along = across(cross({0, 1, 0}, front));
+  if (!(length(along) > 1e-9)) along = across({1, 0, 0});
+  return {front, normalize(along), side};
+}
+
 /// The surface as seen by one viewer: z is along the shading normal, turned to face the viewer.
 struct ShadingView {
   Frame frame;
@@ -191,6 +211,17 @@ struct ShadingView {
 
   ShadingView(Vec3 normal, Vec3 outgoing)
       : frame(frame_from_normal(facing_normal(normal, outgoing))), outgoing(to_local(frame, outgoing)) {}
+
+  /// The same with x along a tangent, if it is not 0.
+  ShadingView(Vec3 normal, Vec3 to_viewer, Vec3 tangent) {
+    const Vec3 z = facing_normal(normal, to_viewer), along = tangent - z * dot(tangent, z);
+    frame = frame_from_normal(z);
+    if (length(along) > 0) {
+      frame.x = normalize(along);
+      frame.y = cross(z, frame.x);
+    }
+    outgoing = to_local(frame, to_viewer);
+  }
 
   Vec3 local(Vec3 v) const { return to_local(frame, v); }
   Vec3 world(Vec3 v) const { return transform_vector(frame, v); }

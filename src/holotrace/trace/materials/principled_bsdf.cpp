@@ -95,16 +95,7 @@ void finish(BoundaryReflectance& boundary, double mean_loss) {
 
 /// The tangent of a brushed surface, across its grooves: the larger α.x is along it.
 Vec3 tangent_of(const Principled& material, const SurfacePoint& point) {
-  const Vec3 front = point.is_front ? point.normal : -point.normal;
-  const auto across = [&](Vec3 v) { return v - front * dot(front, v); };
-  Vec3 along = across(point.tangent_u);
-  double side = 1;
-  if (length(along) > 0)
-    side = std::copysign(1.0, dot(cross(front, along), point.tangent_v));
-  else  // without texture coordinates: around the vertical
-    along = across(cross({0, 1, 0}, front));
-  if (!(length(along) > 1e-9)) along = across({1, 0, 0});
-  along = normalize(along);
+  const auto [front, along, side] = surface_tangent(point);
   double angle = material.anisotropy_rotation;
   if (material.anisotropy_direction.image) {
     const Vec3 map = texel_of(material.anisotropy_direction, point) * 2 - white;
@@ -139,14 +130,14 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   b.geometric_normal = point.geometric_normal;
   const double metalness = number_at(material.metalness, point), roughness = number_at(material.roughness, point);
   const double clear = number_at(material.transmission, point), specular = number_at(material.specular, point);
-  const Vec3 colour = lines.from_rgb(share(colour_at(material.base_color, point) * point.colour));
+  const Vec3 colour = lines.reflectance_of(share(colour_at(material.base_color, point) * point.colour));
   const bool is_solid = material.transmission.value > 0 && !material.is_thin;
   b.is_inside = is_solid && !point.is_front;
 
   const Vec3 sheen = colour_at(material.sheen_color, point);
   b.brightest_sheen = share(max_component(sheen));
   if (b.brightest_sheen > 0) {
-    b.sheen_colour = lines.from_rgb(share(sheen));
+    b.sheen_colour = lines.reflectance_of(share(sheen));
     b.sheen = Sheen(number_at(material.sheen_roughness, point));
   }
 
@@ -196,8 +187,8 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   const double sent = number_at(material.diffuse_transmission, point);
   b.reflected = colour * (below * (1 - clear) * (1 - sent));
   if (sent > 0)
-    b.sent_on =
-        lines.from_rgb(share(colour_at(material.diffuse_transmission_color, point))) * (below * (1 - clear) * sent);
+    b.sent_on = lines.reflectance_of(share(colour_at(material.diffuse_transmission_color, point))) *
+                (below * (1 - clear) * sent);
   if (max_component(b.reflected + b.sent_on) > 0) {
     const auto through = [&](double cosine) { return b.through_all(cosine); };
     const bool has_fringes = b.dielectric.film > 0 && b.is_base_smooth();

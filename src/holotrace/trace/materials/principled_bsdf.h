@@ -157,19 +157,8 @@ struct PrincipledChoice {
 };
 
 /// The surface as one viewer sees it, in a frame along the tangent.
-struct PrincipledView {
-  Frame frame;
-  Vec3 outgoing;
-
-  PrincipledView(const PrincipledBsdf& b, Vec3 to_viewer) {
-    const Vec3 z = facing_normal(b.normal, to_viewer), along = b.tangent - z * dot(b.tangent, z);
-    frame = frame_from_normal(z);
-    if (length(along) > 0) {
-      frame.x = normalize(along);
-      frame.y = cross(z, frame.x);
-    }
-    outgoing = to_local(frame, to_viewer);
-  }
+struct PrincipledView : ShadingView {
+  PrincipledView(const PrincipledBsdf& b, Vec3 to_viewer) : ShadingView(b.normal, to_viewer, b.tangent) {}
 };
 
 inline PrincipledChoice choose(const PrincipledBsdf& b, double cosine) {

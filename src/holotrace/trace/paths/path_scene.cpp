@@ -6,6 +6,8 @@
 #include <variant>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/units.h"
+#include "holotrace/data/rgl_brdf.h"
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
 
@@ -100,13 +102,29 @@ std::vector<FlatMirror> flat_mirrors(const Scene& scene, const std::vector<Light
   return mirrors;
 }
 
+/// @throws Error  for a line at which a surface was not measured
+static void require_measured(const MeasuredBrdf& brdf, const Lines& lines) {
+  if (!is_rgl(brdf)) return;
+  const auto& measured = brdf.fields[rgl_wavelengths].values;
+  for (const double line : lines.wavelengths)
+    require(line * 1e9 >= double(measured.front()) && line * 1e9 <= double(measured.back()),
+            "expected wavelengths from {} to {} nm, at which a surface was measured, got {}", measured.front(),
+            measured.back(), format_length(line));
+}
+
+/// The lines with the reflectances that a scene asks for.
+static Lines lines_for(const Scene& scene, Lines lines) {
+  if (scene.reflectances == Reflectances::smooth) lines.reflectances = &reflectance_table(lines.wavelengths);
+  return lines;
+}
+
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
       accelerator(scene, params.accelerator, lines),
       emitters(scene, lines),
       automaton(path_expressions),
-      lines(lines),
+      lines(lines_for(scene, lines)),
       params(params),
       rectangles(scene.lights.size()),
       mirrors(flat_mirrors(scene, emitters.lights(), lines)),
@@ -119,6 +137,9 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
   require(params.roulette_depth >= 1, "expected a roulette_depth of 1 surface or more, got {}", params.roulette_depth);
   require(std::isfinite(params.clamp) && params.clamp >= 0, "expected a clamp of 0 W/m²/sr or more, got {}",
           params.clamp);
+  for (const Material& material : scene.materials)
+    if (const auto* measured = std::get_if<MeasuredMaterial>(&material.surface))
+      require_measured(*measured->brdf, lines);
   for (size_t i = 0; i < rectangles.size(); ++i)
     if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
       rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));

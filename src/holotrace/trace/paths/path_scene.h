@@ -40,12 +40,13 @@ bool is_faceted(const Mesh& mesh);
 
 /// Which light paths are followed, and how far.
 struct PathParams {
-  int max_depth = 8;             ///< surfaces on a path
-  int roulette_depth = 4;        ///< first surface at which roulette may end a path; with asks_at_end each may
-  double clamp = 0;              ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
-  bool separate_lights = false;  ///< separate sums for each light
-  bool asks_at_end = false;      ///< lights are sampled only at the last surface of a path
-  int caustic_rays = 1024;       ///< rays that look for caustics, from each small lamp, about; 0: none
+  int max_depth = 8;              ///< surfaces on a path
+  int roulette_depth = 4;         ///< first surface at which roulette may end a path; with asks_at_end each may
+  double clamp = 0;               ///< largest radiance that one path may bring at a line [W/m²/sr]; 0: no clamp
+  bool separate_lights = false;   ///< separate sums for each light
+  bool asks_at_end = false;       ///< lights are sampled only at the last surface of a path
+  int caustic_rays = 1024;        ///< rays that look for caustics, from each small lamp, about; 0: none
+  bool shows_background = false;  ///< rays from the panel that meet no surface find the background
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
 };

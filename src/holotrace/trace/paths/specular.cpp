@@ -67,13 +67,18 @@ FocalLines lines_of(const Curvature& c) {
 
 /// Moves the leaf to the end of the chain traced in double, and computes its apparent distance.
 void place_leaf(const Ray& ray, SpecularLeaf& leaf) {
+  if (leaf.chain.empty() && leaf.kind == LeafKind::beyond) {
+    leaf.is_far = true;
+    leaf.distance = leaf.optical_path = background_distance;
+    return;
+  }
   const auto end = retrace(leaf, ray);
   if (end) {
     if (leaf.kind != LeafKind::beyond) leaf.start.point.position = end->place;
     leaf.start.outgoing = -end->direction;
     leaf.optical_path = end->optical_path;
   }
-  if (leaf.chain.empty() && leaf.kind != LeafKind::beyond) {
+  if (leaf.chain.empty()) {
     leaf.distance = leaf.optical_path;
     return;
   }
@@ -149,7 +154,7 @@ struct Walk {
       add_lights(ray, hit ? hit->distance + hit->point.clearance : std::numeric_limits<double>::infinity(), here);
     if (!hit) {
       here.kind = LeafKind::beyond;
-      if (depth > 1) add(std::move(here));
+      if (depth > 1 || scene.params.shows_background) add(std::move(here));
       return;
     }
     if (hit->point.light >= 0) {

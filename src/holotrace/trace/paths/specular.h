@@ -41,6 +41,10 @@ struct SpecularLeaf {
 /// 10⁻⁶ m, two waves.
 inline constexpr double farthest_origin = 100;
 
+/// Distance of waves from infinitely far away that reach the panel without mirrors or glass [m]: their sag over 10 mm is 5·10⁻⁹ m, a
+/// hundredth of a wave.
+inline constexpr double background_distance = 1e4;
+
 /// Largest distance of a focal line [m]: its sag over 10 mm is 5·10⁻¹⁰ m, a thousandth of a wave.
 inline constexpr double farthest_line = 1e5;
 
@@ -67,7 +71,7 @@ inline constexpr double farthest_line = 1e5;
 ///
 /// @param ray     from the panel; unit direction
 /// @param counts  the rays are added here, and to `cut` the branches that end at max_depth
-/// @return        the leaves; none if the ray itself meets nothing
+/// @return        the leaves; none if the ray itself meets nothing, unless PathParams::shows_background
 ///
 /// Cost: one ray for each branch, and two passes over the chain for each leaf.
 /// Reference: the ray-transfer matrix of a general optical system, M. Born and E. Wolf, Principles of Optics, 4.6.

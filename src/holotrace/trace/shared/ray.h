@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/spectrum.h"
@@ -34,6 +35,22 @@ struct SurfacePoint {
   bool is_particle() const { return mesh == no_mesh; }
 };
 
+/// Smooth spectra (data/smooth_reflectance.h) of colours on a raster of 33 × 33 × 33, at three wavelengths: linear between them.
+class ReflectanceTable {
+ public:
+  static constexpr int size = 33;
+
+  explicit ReflectanceTable(const std::array<double, 3>& wavelengths);  ///< [m]
+
+  Vec3 at(Vec3 rgb) const;
+
+ private:
+  std::vector<Vec3> values_;
+};
+
+/// The table for three wavelengths [m], computed on the first call for them (1 s). Any number of threads may call.
+const ReflectanceTable& reflectance_table(const std::array<double, 3>& wavelengths);
+
 /// The three wavelengths [m] that a light path carries at once. Radiance, throughput and BSDFs are a Vec3 whose
 /// x, y, z belong to them. The default is for colour pictures: red, green and blue.
 struct Lines {
@@ -42,6 +59,16 @@ struct Lines {
 
   /// The value of a scene colour at the lines (data/spectrum.h).
   Vec3 from_rgb(Vec3 rgb) const { return {dot(weights[0], rgb), dot(weights[1], rgb), dot(weights[2], rgb)}; }
+
+  const ReflectanceTable* reflectances = nullptr;  ///< that of smooth spectra at these lines; none: linear ones
+
+  /// The reflectance at the lines of a surface of a colour, each in [0, 1].
+  Vec3 reflectance_of(Vec3 rgb) const { return reflectances ? reflectances->at(rgb) : from_rgb(rgb); }
+
+  /// The values of a spectrum at the lines.
+  Vec3 values_of(const Spectrum& spectrum) const {
+    return {spectrum.at(wavelengths[0]), spectrum.at(wavelengths[1]), spectrum.at(wavelengths[2])};
+  }
 };
 
 /// The lines at three wavelengths [m]; for fewer wavelengths, repeat one.

@@ -6,6 +6,7 @@
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/image.h"
+#include "holotrace/data/rgl_brdf.h"
 #include "holotrace/data/scene.h"
 
 namespace holotrace {
@@ -54,6 +55,7 @@ inline bool is_opaque(const Material& material) { return !material.opacity_textu
 
 /// Whether a surface reflects differently along its tangents.
 inline bool is_brushed(const Material& material) {
+  if (const auto* measured = std::get_if<MeasuredMaterial>(&material.surface)) return is_brushed(*measured->brdf);
   const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
   return layers && layers->anisotropy.value > 0;
 }

@@ -104,7 +104,8 @@ bool looks_alike_from_everywhere(const PathScene& scene, const PathStart& start)
   return lobes.has_diffuse && !lobes.has_glossy && specular_branches(bsdf, start.outgoing).count == 0;
 }
 
-/// The first surface on a ray as a leaf, dimmed by the media before it, and a particle of those media as another.
+/// The first surface on a ray as a leaf, dimmed by the media before it, and a particle of those media as another. If the ray meets no
+/// surface, the background in place of one.
 std::vector<SpecularLeaf> first_hits(const PathScene& scene, const Ray& ray, PathCounts& counts) {
   ++counts.rays;
   std::vector<SpecularLeaf> leaves;
@@ -118,7 +119,18 @@ std::vector<SpecularLeaf> first_hits(const PathScene& scene, const Ray& ray, Pat
   };
   const auto hit = scene.accelerator.closest_hit(ray, Aim::exact, {.has_media = false});
   const double distance = hit ? hit->distance : std::numeric_limits<double>::infinity();
-  if (hit) add(*hit, scene.accelerator.transmittance(ray, distance));
+  if (hit) {
+    add(*hit, scene.accelerator.transmittance(ray, distance));
+  } else if (scene.params.shows_background) {
+    SpecularLeaf leaf;
+    leaf.kind = LeafKind::beyond;
+    leaf.start.outgoing = -ray.direction;
+    leaf.start.state = scene.automaton.start();
+    leaf.is_far = true;
+    leaf.distance = leaf.optical_path = background_distance;
+    leaf.weight = scene.accelerator.transmittance(ray, distance);
+    leaves.push_back(std::move(leaf));
+  }
   if (const auto particle = scene.accelerator.particle_before(ray, distance)) add(*particle, particle->weight);
   return leaves;
 }
@@ -136,7 +148,8 @@ std::vector<RayWave> find_waves(const PathScene& scene, const TraceParams& param
     leaf.optical_path -= to_panel;
     leaf.distance -= to_panel;
     if (leaf.lines) leaf.lines->first -= to_panel, leaf.lines->second -= to_panel;
-    const Vec3 origin = leaf.chain.empty() ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
+    const bool is_place = leaf.chain.empty() && leaf.kind != LeafKind::beyond;
+    const Vec3 origin = is_place ? leaf.start.point.position : ray.origin + ray.direction * leaf.distance;
     auto [key, cell] = place_in_cell(leaf, params, side, ray, sample);
     cell.image = origin;
     LeafLight light = light_from(scene, params, leaf, sample, counts);
@@ -157,6 +170,13 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
                                       Vec3 place, uint64_t sample, PathCounts& counts) {
   const SpecularLeaf& model = wave.leaf;
   SpecularLeaf leaf;
+  if (model.chain.empty() && model.kind == LeafKind::beyond) {
+    ++counts.shadow_rays;
+    const Ray ray = scene.accelerator.from_viewer({place, -model.start.outgoing});
+    if (scene.accelerator.is_occluded(ray, std::numeric_limits<double>::infinity(), Aim::exact, {Veils::Kind::passed}))
+      return std::nullopt;
+    return SeenLight{std::nullopt, model.weight};
+  }
   if (model.chain.empty()) {
     const SurfacePoint& point = model.start.point;
     const Vec3 way = point.position.z < place.z ? place - point.position : point.position - place;

@@ -32,7 +32,8 @@ struct RayWave {
 };
 
 /// The waves that a ray finds: one from its first hit, or, if phases follow mirrors (follows_mirrors), one from
-/// each leaf of the tree that begins there (specular.h). Empty if the ray meets nothing.
+/// each leaf of the tree that begins there (specular.h). A ray that meets nothing finds none, or that of the background
+/// (PathParams::shows_background), which comes from the distance background_distance.
 ///
 /// With the strategy gather, all rays that meet one cell use the phase of one place, so that rays of different pixels
 /// agree. The place is the middle of the cell, projected onto the plane of the surface. Its path to the panel is exact

@@ -51,6 +51,7 @@ PathParams path_params(const TraceParams& params) {
   path.clamp = params.clamp;
   path.separate_lights = params.separate_lights;
   path.asks_at_end = params.shadow_rays == ShadowRays::path_end;
+  path.shows_background = params.has_background;
   path.seed = uint64_t(params.seed);
   path.accelerator = params.accelerator;
   return path;
