@@ -88,8 +88,8 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   job.shutter = read_shutter(root);
   choose_time(root, time);
   for (const char* section :
-       {"slm", "materials", "media", "light", "environment", "object", "shape", "background", "reflectances", "trace", "render",
-        "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
+       {"slm", "materials", "media", "light", "environment", "object", "shape", "background", "reflectances", "trace",
+        "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
     root.know(section);
   root.know("wavelength");
   root.refuse_unknown_keys();

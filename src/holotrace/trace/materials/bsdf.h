@@ -26,9 +26,8 @@
 
 namespace holotrace {
 
-using Bsdf =
-    std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf, MeasuredBsdf,
-                 ScatteringBsdf>;
+using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf,
+                          MeasuredBsdf, ScatteringBsdf>;
 
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
 ///

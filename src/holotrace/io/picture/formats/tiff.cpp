@@ -30,7 +30,8 @@ class LibtiffFunction {
 
   static void* library() {
     static void* const found = dlopen(file_, RTLD_NOW | RTLD_LOCAL);
-    require(found != nullptr, "expected libtiff 4.5 or later for a TIFF, got \"{}\"; install libtiff6, or use a PNG or BMP",
+    require(found != nullptr,
+            "expected libtiff 4.5 or later for a TIFF, got \"{}\"; install libtiff6, or use a PNG or BMP",
             found ? "" : dlerror());
     return found;
   }
