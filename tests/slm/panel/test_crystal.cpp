@@ -226,6 +226,21 @@ TEST(Crystal, AMisalignedPolariserSendsSineSquaredToTheZeroOrder) {
   EXPECT_NEAR(in_zero, std::pow(std::sin(angle), 2), efficiency_tolerance);
 }
 
+TEST(Crystal, EachPolarisationHasTheStatesOfPartlyCoherentLight) {
+  const Slm slm = crystal_panel(4, 4, 16, {.polariser = 0.5});
+  const std::vector<IlluminationState> all =
+      illumination_states(slm, {.bandwidth = 2e-9, .illumination_states = 5}, test_wavelength);
+  ASSERT_EQ(all.size(), 10U);
+  double weights[2] = {};
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].polarisation, int(i % 2));
+    EXPECT_EQ(all[i].wavelength, all[i - i % 2].wavelength);
+    weights[i % 2] += all[i].weight;
+  }
+  EXPECT_NEAR(weights[0], 1, rounding);
+  EXPECT_NEAR(weights[1], 1, rounding);
+}
+
 TEST(Crystal, LightOfGapsPassesTheAnalyser) {
   // A uniform panel of level ℓ sends F·t + (1 − F)·γ·t₀ to order 0, with the crystal over the gaps as at level 0.
   Slm slm = crystal_panel(4, 4, 16, {.director = 0.1, .polariser = 0.6, .analyser = -0.3});
