@@ -101,6 +101,14 @@ TEST(Cie, BadLampsSayWhatWasExpected) {
             "expected the width of an LED's curve from 2 to 300 nm, got 1 nm");
 }
 
+// The colour in daylight of a surface, from its spectrum alone.
+Vec3 colour_in_daylight(const SmoothReflectance& surface) {
+  const Spectrum daylight = illuminant_spectrum("D65");
+  const double white = xyz_of([&](double wavelength) { return daylight.at(wavelength); }).y;
+  return srgb_from_xyz(xyz_of([&](double wavelength) { return surface.at(wavelength) * daylight.at(wavelength); }) /
+                       white);
+}
+
 TEST(SmoothReflectance, HasItsColourInDaylight) {
   for (const double r : {0.02, 0.2, 0.5, 0.9})
     for (const double g : {0.02, 0.3, 0.6, 0.95})
@@ -110,6 +118,11 @@ TEST(SmoothReflectance, HasItsColourInDaylight) {
         EXPECT_NEAR(found.x, r, 1e-3) << r << ' ' << g << ' ' << b;
         EXPECT_NEAR(found.y, g, 1e-3) << r << ' ' << g << ' ' << b;
         EXPECT_NEAR(found.z, b, 1e-3) << r << ' ' << g << ' ' << b;
+        // The daylight of the lamp has the temperature 6504 K, whose white is that of sRGB to 2e-3.
+        const Vec3 seen = colour_in_daylight(spectrum);
+        EXPECT_NEAR(seen.x, r, 3e-3);
+        EXPECT_NEAR(seen.y, g, 3e-3);
+        EXPECT_NEAR(seen.z, b, 3e-3);
         for (double wavelength = 380e-9; wavelength <= 780e-9; wavelength += 20e-9) {
           EXPECT_GE(spectrum.at(wavelength), 0);
           EXPECT_LE(spectrum.at(wavelength), 1);

@@ -5,6 +5,8 @@
 
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
+#include "holotrace/run/renders.h"
+#include "holotrace/trace/focal_stack.h"
 #include "holotrace/trace/trace.h"
 #include "holotrace/wave/synthesize.h"
 
@@ -68,6 +70,27 @@ TEST(BackgroundField, IsPlaneToAHundredthOfAWave) {
   const double off = std::arg(first * std::polar(1.0, 2 * pi / green_laser * n.x * panel.x(0)) / part);
   EXPECT_LT(std::abs(off), 2 * pi / 100);
   EXPECT_GT(std::abs(off), 2 * pi / 2000) << "the sag is there: a third of it is in the mean";
+}
+
+TEST(BackgroundField, ReferencesAndTargetsShowItAsTheHologramDoes) {
+  Job job;
+  EXPECT_FALSE(light_of_waves(job, job.render).has_background);
+  job.trace.has_background = true;
+  EXPECT_TRUE(light_of_waves(job, job.render).has_background);
+
+  Scene scene;
+  scene.materials = {DiffuseMaterial{}};
+  scene.meshes = {make_quad(1e-3, 1e-3)};
+  for (Vec3& place : scene.meshes.front().positions) place += Vec3{1, 0, -0.3};
+  scene.background = {2, 2, 2};
+  const Grid panel{32, 24, 8e-6};
+  for (const bool is_shown : {true, false}) {
+    const RenderParams params{.paths = 4, .has_background = is_shown};
+    const FocalStack stack = trace_focal_stack(scene, panel, green_laser, {0.3, 2}, params);
+    for (const Image& picture : stack.pictures)
+      for (const float value : picture.values)
+        EXPECT_NEAR(value, is_shown ? 2 : 0, 1e-6) << "an even background is even out of focus";
+  }
 }
 
 }  // namespace

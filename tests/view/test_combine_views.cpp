@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "holotrace/data/spectrum.h"
@@ -162,6 +163,22 @@ TEST(CombinedViews, SpeckleFallsAsOneOverTheRootOfTheFrames) {
       EXPECT_NEAR(speckle_contrast(sum.image()) * std::sqrt(frames), 1, 0.03) << frames;
     }
   }
+}
+
+TEST(CieColours, OfAViewAreThoseOfItsLight) {
+  Image white(1, 1, 3);
+  white.values = {0.5F, 0.5F, 0.5F};
+  const Image seen = in_cie_colours(white, {638e-9, 520e-9, 450e-9});
+  for (const float value : seen.values) EXPECT_NEAR(value, 0.5F, 1e-6) << "three lasers together are white";
+  // A green laser alone: its colour, with the luminance of the light, and within sRGB.
+  Image green(1, 1, 1);
+  green.values = {0.5F};
+  const Image shown = in_cie_colours(green, {520e-9});
+  ASSERT_EQ(shown.channels, 3);
+  EXPECT_GE(std::min({shown.values[0], shown.values[1], shown.values[2]}), 0.0F);
+  EXPECT_GT(shown.values[1], 2 * shown.values[2]);
+  // Weights of four digits, times components of 2 in all.
+  EXPECT_NEAR(luminance(shown.values[0], shown.values[1], shown.values[2]), 0.5, 3e-4);
 }
 
 }  // namespace
