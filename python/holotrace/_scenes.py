@@ -108,7 +108,8 @@ class Scene(Noun):
 
     Lengths and angles are numbers in SI units, or texts with a unit. An array, or an Image, stands where a file names a
     picture. Objects may have arrays: ``vertices`` (n, 3) and ``faces`` (m, 3), with ``normals``, ``uv`` and ``colours``
-    for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``.
+    for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``. The ``density`` of a medium may be an array
+    (planes, rows, columns) along z, y and x.
 
     ``time``: the time at which keys over time are read, such as ``"position": {"0 s": (0, 0, -0.3), "1 s": (0.01, 0, -0.3)}``.
     ``shutter``: how long a shutter is open from then on, ``0.02``, ``"20 ms"``, or ``"180 deg"`` of the interval 1/fps of a film. Renders, focal
