@@ -153,6 +153,7 @@ void add_estimate_command(CLI::App& app, const GlobalFlags& global) {
       return choose_missing(o->flags.job(o->scene, global.outside(), time));
     };
     Job job = o->flags.job(o->scene, global.outside());
+    say_warnings(job.warnings);
     o->film.apply(job.animate);
     if (fps->count() > 0) job.animate.fps = o->frames_per_second;
     const bool has_film = last_change(job) || o->film.has("seconds") || o->film.has("times");

@@ -49,6 +49,8 @@ TEST(Units, LengthsShareATrailingUnitOrCarryTheirOwn) {
 TEST(Units, ErrorsShowALengthThatSuitsTheName) {
   EXPECT_EQ(error_of([] { parse_length("red", "--wavelength"); }),
             "expected a length with its unit, such as \"532 nm\", got \"red\"");
+  EXPECT_EQ(error_of([] { parse_length("632,8 nm"); }),
+            "expected a point in a decimal number, or a space after the comma between two numbers, got \"632,8 nm\"");
   EXPECT_EQ(error_of([] { parse_lengths("red", "--wavelength"); }),
             "expected a length with its unit, such as \"532 nm\", got \"red\"");
   EXPECT_EQ(error_of([] { parse_length("8", "pitch"); }),

@@ -180,7 +180,7 @@ TEST(SlmFile, AnUnknownOneIsRefusedWithTheNearest) {
   EXPECT_EQ(error_of([] { slm_preset("xyzzyx"); }),
             "unknown SLM \"xyzzyx\"; \"holotrace info --slm\" lists those that are known");
   EXPECT_EQ(error_of([] { slm_preset("../panels/pluto"); }),
-            "unknown SLM \"../panels/pluto\"; \"holotrace info --slm\" lists those that are known");
+            "unknown SLM \"../panels/pluto\"; did you mean \"pluto\"? \"holotrace info --slm\" lists all");
 }
 
 TEST(SlmFile, AUserAddsPanelsAndChangesThem) {
