@@ -53,6 +53,8 @@ TEST(NamedLights, ListsMixThemWithLengths) {
   EXPECT_EQ(parse_wavelengths("638, 520 nm, dpss 473, 0.45 um"), (std::vector<double>{638e-9, 520e-9, 473e-9, 450e-9}));
   EXPECT_EQ(parse_wavelengths("450 nm,HeNe,"), (std::vector<double>{450e-9, 632.8e-9}));
   EXPECT_EQ(parse_wavelengths("638 520 450 nm"), (std::vector<double>{638e-9, 520e-9, 450e-9}));
+  EXPECT_EQ(error_of([] { parse_wavelengths("HeNe, 632,8 nm"); }),
+            "expected a point in a decimal number, or a space after the comma between two numbers, got \" 632,8 nm\"");
   // A unit is not shared across a light.
   EXPECT_EQ(error_of([] { parse_wavelengths("638, HeNe, 450 nm"); }),
             "expected a length with its unit, such as \"532 nm\", got \"638\" without a unit");

@@ -196,7 +196,7 @@ class Display(unittest.TestCase):
 
     def test_counts_changes_only(self):
         run = self.run_display(self.paths[0], "--seconds", "0.5")
-        self.assertTrue(run.stdout.startswith("1 hologram shown at "), run.stdout + run.stderr)
+        self.assertEqual((run.returncode, run.stdout), (0, ""), run.stderr)  # one hologram never changes
 
     def test_needs_a_desktop(self):
         for environment in ({"DISPLAY": "", "SDL_VIDEODRIVER": "offscreen"}, {"DISPLAY": ":4095", "SDL_VIDEODRIVER": ""},

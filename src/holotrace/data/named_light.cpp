@@ -90,24 +90,25 @@ std::vector<double> parse_wavelengths(std::string_view text, std::string_view na
   std::vector<std::string_view> parts;
   for (size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
     end = std::min(text.find(',', begin), text.size());
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    parts.push_back(text.substr(begin, end - begin));
   }
-  if (std::none_of(parts.begin(), parts.end(), is_light)) return parse_lengths(text, name);
+  const auto is_one = [](std::string_view part) { return is_light(trimmed(part)); };
+  if (std::none_of(parts.begin(), parts.end(), is_one)) return parse_lengths(text, name);
 
   std::vector<double> wavelengths;
   std::string lengths;  // the parts since the last light: lengths may share a unit
   const auto read_lengths = [&] {
-    if (lengths.find_first_not_of(',') != std::string::npos)
+    if (lengths.find_first_not_of(", ") != std::string::npos)
       for (const double length : parse_lengths(lengths, name)) wavelengths.push_back(length);
     lengths.clear();
   };
   for (const std::string_view part : parts) {
-    if (!is_light(part)) {
+    if (!is_one(part)) {
       lengths += (lengths.empty() ? "" : ",") + std::string(part);
       continue;
     }
     read_lengths();
-    wavelengths.push_back(light_named(part).wavelength);
+    wavelengths.push_back(light_named(trimmed(part)).wavelength);
   }
   read_lengths();
   return wavelengths;
