@@ -70,8 +70,7 @@ def effects_sheet(folder):
 def polariser_sheet(folder):
     linear = {name: shrink(load_linear(folder / f"{name}.png"), (480, 480)) for name in POLARISERS}
     white = np.percentile(linear["p0"], 99.7)  # the same for all
-    return lay_out("A polariser that is turned", "One hologram on a parallel-aligned panel; angles are from the director. Light that "
-                   "the crystal does not delay is a haze over the picture.",
+    return lay_out("A polariser that is turned", "Angles are from the director of the crystal. Light that it does not delay is a haze.",
                    [[(POLARISERS[name], develop(linear[name], white)) for name in row] for row in (("p0", "p10"), ("p20", "p20a"))])
 
 
