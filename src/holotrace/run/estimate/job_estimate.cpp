@@ -158,7 +158,9 @@ void estimate_scene_targets(const Job& job, JobEstimate& e) {
   if (aims_at_eyes(job))
     probes[0] = {[&](double part) { return probe_eye_light(job, part); }, 1.0 / job.render.paths};
   else
-    probes[0] = {[&](double part) { return probe_stack(job, part, of_stack); }, smallest_part(job.slm.grid)};
+    // A smaller part would be that of what is done once: networks of the denoiser are opened, the scene is prepared.
+    probes[0] = {[&](double part) { return probe_stack(job, part, of_stack); },
+                 std::min(1.0, 4 * smallest_part(job.slm.grid))};
   probes[1] = {[&](double part) { return display.run(part); }, display.first_part()};
   refine_probes(probes, share_of_job, long_enough);
   e.why_no_simulation = display.why_none;
