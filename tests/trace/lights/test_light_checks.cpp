@@ -51,6 +51,30 @@ TEST(SceneChecks, SayWhichLightOrMaterialCannotBeUsedAndWhy) {
   EXPECT_EQ(with_material({DiffuseMaterial{}, {1, -2, 1}}),
             "expected an emission of 0 W/m²/sr or more in material 0, got (1, -2, 1)");
 
+  const auto with_layers = [&](const std::function<void(PrincipledMaterial&)>& change) {
+    PrincipledMaterial layers;
+    change(layers);
+    return with_material(layers);
+  };
+  EXPECT_EQ(with_material(DielectricMaterial{constant_index(2e4), 0}),
+            "expected an index of at most 10000 in material 0, got 20000");
+  EXPECT_EQ(with_layers([](PrincipledMaterial& m) { m.iridescence_index = 1e308; }),
+            "expected an index from 1 to 10000 of the thin film in material 0, got 1e+308");
+  EXPECT_EQ(with_layers([](PrincipledMaterial& m) { m.clearcoat_index = 0.5; }),
+            "expected an index from 1 to 10000 of the clear coat in material 0, got 0.5");
+  EXPECT_EQ(with_layers([](PrincipledMaterial& m) { m.film_thickness = 2e-3; }),
+            "expected a thin film of 0 m to 1 mm in material 0, got 2 mm");
+  for (const double number : {1e7, -1e7, double(NAN), double(INFINITY)})
+    EXPECT_EQ(
+        with_layers([&](PrincipledMaterial& m) {
+          m.roughness.texture = {std::make_shared<Image>(1, 1, 1), number};
+        }),
+        fmt::format("expected a texture in material 0 that is scaled and moved by at most 1e+06, got {:g}", number));
+  EXPECT_EQ(sentence([](Scene& s) {
+              s.materials[0].emission_texture = std::make_shared<Image>(1, 1, 1);
+              s.meshes[0].texture_coordinates.assign(s.meshes[0].positions.size(), {1e10, 0});
+            }),
+            "expected texture coordinates of at most 1e+09 in mesh \"quad\", got (1e+10, 0)");
   EXPECT_EQ(sentence([](Scene& s) {
               s.materials[0].emission_texture = std::make_shared<Image>(1, 1, 1);
               s.meshes[0].texture_coordinates.clear();

@@ -74,6 +74,21 @@ std::string lower_case(std::string text) {
 
 std::string_view without_comment(std::string_view line) { return line.substr(0, line.find('#')); }
 
+std::vector<TextRow> read_rows(const std::string& path) {
+  const std::string text = read_lines(path);
+  std::string_view rest = text, line;
+  std::vector<TextRow> rows;
+  for (size_t number = 1; next_line(rest, line); ++number) {
+    std::string content(without_comment(line));
+    std::replace(content.begin(), content.end(), ',', ' ');
+    TextRow row{path + ":" + std::to_string(number) + ": ", std::string(line), {}};
+    std::string_view left = content;
+    for (std::string_view word = next_word(left); !word.empty(); word = next_word(left)) row.words.emplace_back(word);
+    if (!row.words.empty()) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 std::string_view name_without_comment(std::string_view line) {
   std::string_view rest = line;
   for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest))

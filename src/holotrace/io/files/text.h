@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "holotrace/io/files/file.h"
 
@@ -36,6 +37,16 @@ std::string lower_case(std::string text);
 
 /// A line up to its first "#", which begins a comment.
 std::string_view without_comment(std::string_view line);
+
+/// A line of a table that is not empty.
+struct TextRow {
+  std::string where;               ///< "file:line: ", for messages
+  std::string line;                ///< as it stands in the file
+  std::vector<std::string> words;  ///< separated by blanks, tabs or commas, without the comment
+};
+
+/// The lines of a table. @throws Error  as read_lines does
+std::vector<TextRow> read_rows(const std::string& path);
 
 /// A name up to a "#" that stands alone, without blanks at its ends: "wood # of the floor" → "wood". Names may hold the
 /// sign: "wood #2".

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <memory>
-#include <sstream>
 #include <variant>
 
 #include "holotrace/base/error.h"
@@ -19,16 +17,8 @@ namespace holotrace {
 
 Spectrum load_spectrum(const std::string& path) {
   check_file_exists(path, "a table of a spectrum");
-  const std::string text = read_lines(path);
-  std::string_view rest = text, line;
   Spectrum spectrum;
-  for (size_t number = 1; next_line(rest, line); ++number) {
-    std::string content(without_comment(line));
-    std::replace(content.begin(), content.end(), ',', ' ');
-    std::istringstream stream(content);
-    const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
-    if (words.empty()) continue;
-    const std::string where = fmt::format("{}:{}: ", path, number);
+  for (const auto& [where, line, words] : read_rows(path)) {
     try {
       require(words.size() == 3, "too few or many words");
       const double wavelength = parse_length(words[0] + " " + words[1]);

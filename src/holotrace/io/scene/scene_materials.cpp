@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <sstream>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -126,16 +124,8 @@ void read_glass_index(TomlTable& table, const char* key, RefractiveIndex& index)
 
 RefractiveIndex load_index_table(const std::string& path) {
   check_file_exists(path, "a table of refractive indices");
-  const std::string text = read_lines(path);
-  std::string_view rest = text, line;
   RefractiveIndex index;
-  for (size_t number = 1; next_line(rest, line); ++number) {
-    std::string content(without_comment(line));
-    std::replace(content.begin(), content.end(), ',', ' ');
-    std::istringstream stream(content);
-    const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
-    if (words.empty()) continue;
-    const std::string where = fmt::format("{}:{}: ", path, number);
+  for (const auto& [where, line, words] : read_rows(path)) {
     try {
       require(words.size() == 3 || words.size() == 4, "too few or many words");
       RefractiveIndex::Sample sample{parse_length(words[0] + " " + words[1]), parse_number(words[2]), 0};

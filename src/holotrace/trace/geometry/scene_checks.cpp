@@ -164,7 +164,7 @@ void check_surface(const PrincipledMaterial& material, size_t index) {
           material.iridescence_index);
   constexpr double thickest_film = 1e-3;  // its colours change within 1/1000 of a wavelength
   for (const double thickness : {material.film_thickness, material.least_thickness})
-    require(thickness >= 0 && thickness <= thickest_film, "expected a thin film of 0 to {} in material {}, got {}",
+    require(thickness >= 0 && thickness <= thickest_film, "expected a thin film of 0 m to {} in material {}, got {}",
             format_length(thickest_film), index, format_length(thickness));
   require(material.attenuation_distance > 0, "expected an attenuation distance above 0 m in material {}, got {}", index,
           material.attenuation_distance);
