@@ -397,7 +397,7 @@ TEST(Gltf, InstancesAreCopiesOfTheirNode) {
 TEST(Gltf, AMetalDoesNotTransmit) {
   GltfTriangle triangle;
   triangle.materials =
-      R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}])";  // metallicFactor: 1
+      R"([{"pbrMetallicRoughness": {"roughnessFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}])";  // metallicFactor: 1
   const auto metal = std::get<PrincipledMaterial>(load(triangle).materials[0].surface);
   EXPECT_EQ(metal.metalness.value, 1);
 }
