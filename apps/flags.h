@@ -56,7 +56,7 @@ FlagText flag_text(const Parameter<Value>& p) {
   else if constexpr (std::is_same_v<Value, DeviceChoice>)
     return {"DEVICE", help, device_text(p.value)};
   else if constexpr (std::is_same_v<Value, std::string>)
-    return {"FILE", help, p.value.empty() ? "none" : p.value};
+    return {std::string_view(p.kind) == "text" ? "NAME" : "FILE", help, p.value.empty() ? "none" : p.value};
   else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
     return {"TEXTS", help, fmt::format("{}", fmt::join(p.value, ", "))};
   else if constexpr (std::is_same_v<Value, std::vector<double>>)

@@ -85,7 +85,7 @@ TEST(Checks, TheFirstSourceAtFaultIsNamed) {
 TEST(Checks, BrokenScenesAreNamedByMeshAndElement) {
   Scene scene;
   EXPECT_EQ(error_of([&] { check_scene(scene); }),
-            "expected at least one object in the scene, or a visible rectangle light, got none");
+            "expected at least one object in the scene, a visible rectangle light, or a background, got none");
   scene.materials.push_back(DiffuseMaterial{});
   Mesh quad = make_quad(1, 1);
   for (Vec3& p : quad.positions) p.z = -1;

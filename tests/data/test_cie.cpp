@@ -91,6 +91,16 @@ TEST(Cie, LampsHaveTheLuminanceOfEvenLight) {
   EXPECT_NEAR(led.at(535e-9) / led.at(520e-9), 0.5, 1e-12);
 }
 
+TEST(Cie, NarrowLinesBetweenWholeNanometresCount) {
+  // A triangle of 0.1 nm at its foot has the same area wherever it stands; V falls by 1.5 % in half a nanometre there. Its luminance
+  // is that of even light, ∫ V dλ = 106.857 nm (CIE 1931, from 380 to 780 nm): the peak is 106.857/(0.05·V).
+  for (const double centre : {546.1e-9, 546.0e-9, 546.43e-9}) {
+    const Spectrum line = scaled_to_luminance({{centre - 0.05e-9, centre, centre + 0.05e-9}, {0, 3, 0}});
+    const double expected = 106.857 / (0.05 * colour_matching(centre).y);
+    EXPECT_NEAR(line.values[1] / expected, 1, 2e-3) << centre;  // the observer's curves here are a fit
+  }
+}
+
 TEST(Cie, BadLampsSayWhatWasExpected) {
   EXPECT_EQ(error_of([] { blackbody_spectrum(50); }),
             "expected a temperature of a lamp from 1000 to 40000 K, got 50 K");

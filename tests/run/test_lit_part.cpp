@@ -60,6 +60,23 @@ TEST(LitPart, OfSpeckleIsNearlyAll) {
   EXPECT_NEAR(lit_fraction(image), std::exp(-lit_level * std::log(10.0)), 20.0 / n);
 }
 
+// The threshold is half of what the render has.
+TEST(LitPart, AViewOfFewWavesGetsAWarning) {
+  const auto warnings_of = [](int lit) {
+    std::vector<std::string> warnings;
+    Observer observer;
+    observer.on_warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
+    warn_of_dots(first_pixels(lit, 1), first_pixels(200, 1), 64, observer);
+    return warnings;
+  };
+  EXPECT_TRUE(warnings_of(100).empty());
+  const std::vector<std::string> warnings = warnings_of(99);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(
+      warnings[0].substr(0, 112),
+      "the view shows dots: 9.9 % of it is lit, and 20 % of the render; 64 waves are too few for 50 × 20 pixels; ");
+}
+
 // The threshold is 1 of 1000 pixels.
 TEST(LitPart, ARenderThatIsNearlyBlackGetsAWarning) {
   const Told dark = told_of(first_pixels(0, 0));

@@ -346,7 +346,7 @@ TEST(Trace, ParametersOutOfRangeAreErrorsThatSayWhatWasExpected) {
   EXPECT_EQ(sentence({}, -1), "expected a pixel pitch above 0 m, got -1 m");
   EXPECT_EQ(sentence({}, 8e-6, 0), "expected a wavelength above 0 m, got 0 m");
   EXPECT_EQ(error_of([] { trace({}, traced_panel, green_light, {}); }),
-            "expected at least one object in the scene, or a visible rectangle light, got none");
+            "expected at least one object in the scene, a visible rectangle light, or a background, got none");
 }
 
 TEST(Trace, ProgressReachesOne) {

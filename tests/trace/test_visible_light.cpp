@@ -215,7 +215,7 @@ TEST(VisibleLight, AloneIsAScene) {
   EXPECT_FALSE(shaded[0].triangles.empty());
   set_visible(alone, false);  // a light and nothing that it could light
   EXPECT_EQ(error_of([&] { trace(alone, panel, green_light, params); }),
-            "expected at least one object in the scene, or a visible rectangle light, got none");
+            "expected at least one object in the scene, a visible rectangle light, or a background, got none");
 }
 
 }  // namespace

@@ -152,8 +152,10 @@ void check_scene(const Scene& scene) {
     const auto* rectangle = std::get_if<RectangleLight>(&light);
     return rectangle && rectangle->is_visible;
   });
-  require(!scene.meshes.empty() || !scene.points.empty() || has_visible_light || !scene.media.empty(),
-          "expected at least one object in the scene, or a visible rectangle light, got none");
+  const bool has_light_from_infinity = scene.environment || max_component(scene.background) > 0;
+  require(!scene.meshes.empty() || !scene.points.empty() || has_visible_light || !scene.media.empty() ||
+              has_light_from_infinity,
+          "expected at least one object in the scene, a visible rectangle light, or a background, got none");
   for (const Mesh& mesh : scene.meshes) check_mesh(mesh, scene.materials);
   for (size_t i = 0; i < scene.points.size(); ++i) {
     const ScenePoint& p = scene.points[i];

@@ -135,6 +135,11 @@ std::optional<double> last_change(const Job& job) {
 
 namespace {
 
+bool are_equal(const MeasuredBrdf& a, const MeasuredBrdf& b) {
+  return std::equal(a.fields.begin(), a.fields.end(), b.fields.begin(), b.fields.end(),
+                    [](const MeasuredField& own, const MeasuredField& other) { return own.values == other.values; });
+}
+
 // Lets a picture be the one of another scene if both are equal.
 void share(std::shared_ptr<const Image>& picture, const std::shared_ptr<const Image>& other) {
   if (picture && other && picture->nx == other->nx && picture->ny == other->ny && picture->values == other->values)
@@ -157,6 +162,9 @@ void share_pictures(Scene& scene, const Scene& other) {
         share(surface->base_texture, of_other->base_texture);
         share(surface->metallic_texture, of_other->metallic_texture);
       }
+    if (auto* surface = std::get_if<MeasuredMaterial>(&own.surface))
+      if (const auto* of_other = std::get_if<MeasuredMaterial>(&with.surface))
+        if (are_equal(*surface->brdf, *of_other->brdf)) surface->brdf = of_other->brdf;
     if (auto* surface = std::get_if<PrincipledMaterial>(&own.surface))
       if (const auto* of_other = std::get_if<PrincipledMaterial>(&with.surface)) {
         std::vector<const PlacedTexture*> others;
@@ -176,7 +184,7 @@ double bytes_of(const Scene& scene) {
     bytes += double(mesh.positions.size() * sizeof(Vec3) + mesh.normals.size() * sizeof(Vec3) +
                     mesh.colours.size() * sizeof(Vec3) + mesh.texture_coordinates.size() * sizeof(Vec2) +
                     mesh.triangles.size() * sizeof(mesh.triangles[0]));
-  return bytes;
+  return bytes;  // tables and pictures that rest are shared (share_pictures)
 }
 
 }  // namespace

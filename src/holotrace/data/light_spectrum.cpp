@@ -1,6 +1,8 @@
 #include "holotrace/data/light_spectrum.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"
@@ -24,11 +26,18 @@ Spectrum sampled(int first, int last, int step, const Function& function) {
 }  // namespace
 
 Spectrum scaled_to_luminance(Spectrum spectrum) {
+  // Between whole nanometres, as fine as the observer's curves, and the spectrum's own places, whose lines may be narrower.
+  std::vector<double> places;
+  for (int nm = 380; nm <= 780; ++nm) places.push_back(nm * 1e-9);
+  for (const double wavelength : spectrum.wavelengths)
+    if (wavelength > shortest_visible && wavelength < longest_visible) places.push_back(wavelength);
+  std::sort(places.begin(), places.end());
   double light = 0, even = 0;
-  for (int nm = 380; nm <= 780; ++nm) {  // as fine as the narrowest curves
-    const double sensitivity = colour_matching(nm * 1e-9).y;
-    light += sensitivity * spectrum.at(nm * 1e-9);
-    even += sensitivity;
+  for (size_t i = 0; i + 1 < places.size(); ++i) {
+    const double from = colour_matching(places[i]).y, to = colour_matching(places[i + 1]).y,
+                 width = places[i + 1] - places[i];
+    light += width * (from * spectrum.at(places[i]) + to * spectrum.at(places[i + 1]));
+    even += width * (from + to);
   }
   require(light > 0, "expected a spectrum with visible light, from {} to {}, got one that is dark there",
           format_length(shortest_visible), format_length(longest_visible));

@@ -12,7 +12,8 @@ namespace {
 
 void check_axis(const MeasuredField& axis, size_t least) {
   const bool ascends =
-      std::adjacent_find(axis.values.begin(), axis.values.end(), std::greater_equal<>()) == axis.values.end();
+      std::adjacent_find(axis.values.begin(), axis.values.end(), std::greater_equal<>()) == axis.values.end() &&
+      std::all_of(axis.values.begin(), axis.values.end(), [](float value) { return std::isfinite(value); });
   require(axis.shape.size() == 1 && axis.values.size() >= least && ascends,
           "expected {} ascending values or more in the field \"{}\" of a measured BRDF, got {}", least, axis.name,
           axis.values.size());

@@ -42,6 +42,13 @@ int64_t most_states(const Job& job, const std::vector<Viewpoint>& from) {
   return most;
 }
 
+int64_t most_instants(const Job& job, const std::vector<Viewpoint>& from) {
+  int64_t most = 1;
+  for (const double wavelength : job.wavelengths)
+    most = std::max(most, int64_t(plan_at(job, wavelength, from).instants));
+  return most;
+}
+
 // Counts the fields of two frames, all holograms, the light that leaves the
 // panel with its transform, the propagation to the sensor, padded to the sum of both windows, and the sums of views.
 void check_memory(const Job& job, size_t sets) {

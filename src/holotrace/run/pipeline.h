@@ -110,4 +110,7 @@ int64_t states_at(const Job& job, double wavelength, const std::vector<Viewpoint
 /// The largest number of states among all wavelengths.
 int64_t most_states(const Job& job, const std::vector<Viewpoint>& from);
 
+/// The same of the states of one polarisation, which illumination_states counts.
+int64_t most_instants(const Job& job, const std::vector<Viewpoint>& from);
+
 }  // namespace holotrace

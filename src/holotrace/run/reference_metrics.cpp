@@ -193,4 +193,13 @@ void report_lit_render(const Image& render, const Observer& observer) {
         percent(lit), percent(least_lit_fraction), of_black));
 }
 
+void warn_of_dots(const Image& view, const Image& render, size_t waves, const Observer& observer) {
+  const double lit = lit_fraction(view), wanted = lit_fraction(render);
+  if (lit >= least_lit_by_waves * wanted) return;
+  observer.warn(fmt::format(
+      "the view shows dots: {} of it is lit, and {} of the render; {} waves are too few for {} × {} pixels; trace more "
+      "(columns and rows, or samples, in [trace]), or let run optimise the holograms (--quality draft)",
+      percent(lit), percent(wanted), waves, view.nx, view.ny));
+}
+
 }  // namespace holotrace

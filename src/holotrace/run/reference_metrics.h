@@ -70,4 +70,11 @@ inline constexpr double least_lit_fraction = 0.001;
 /// @param render  what the view should show, on its pixels
 void report_lit_render(const Image& render, const Observer& observer);
 
+/// The least lit part of a view over that of its render with which waves look like a surface. 512² and 256² waves of the chess game
+/// on 960 × 540 pixels have 1.1, 128² have 0.85, and 64², which are a lattice of dots, 0.31.
+inline constexpr double least_lit_by_waves = 0.5;
+
+/// Warns if the view is dark between waves that are too few. @param waves  number of waves of a frame
+void warn_of_dots(const Image& view, const Image& render, size_t waves, const Observer& observer);
+
 }  // namespace holotrace

@@ -295,7 +295,8 @@ std::optional<TakenView> Session::take(const ViewState& given, const std::functi
   const bool keeps_white = given.is_draft && state.camera.exposure == 0 && last_;  // it does not flicker, and is faster
   taken.white = keeps_white ? last_->view.white : common_white(images, state.camera.exposure);
   read_views(images, taken.white, ViewKind::distance, state.camera);
-  taken.image = std::move(images.front());
+  taken.image = state.camera.colours == ViewColours::cie ? in_cie_colours(images.front(), sum.wavelengths())
+                                                         : std::move(images.front());
   if (!given.is_draft && is_kept) last_ = Kept{key, taken};
   return taken;
 }

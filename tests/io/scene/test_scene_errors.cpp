@@ -174,8 +174,10 @@ TEST(SceneFileErrors, ObjectsInThePlaneOfThePanelAreNamed) {
 }
 
 TEST(SceneFileErrors, AnEmptySceneIsRefused) {
-  EXPECT_EQ(error_with(""), "1:1: expected at least one object in the scene, or a visible rectangle light, got none");
-  EXPECT_EQ(scene_error(""), "1:1: expected at least one object in the scene, or a visible rectangle light, got none");
+  EXPECT_EQ(error_with(""),
+            "1:1: expected at least one object in the scene, a visible rectangle light, or a background, got none");
+  EXPECT_EQ(scene_error(""),
+            "1:1: expected at least one object in the scene, a visible rectangle light, or a background, got none");
 }
 
 TEST(SceneFileErrors, WhatShapesAndFilesRefuseIsPlaced) {

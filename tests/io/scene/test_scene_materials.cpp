@@ -251,6 +251,15 @@ TEST(SceneMaterials, MeasuredOnesAreSpectralFilesOfTheRglDatabase) {
   EXPECT_TRUE(has(error(whole.substr(0, whole.size() - 1)), "expected more than"))
       << error(whole.substr(0, whole.size() - 1));
   EXPECT_TRUE(has(error(whole.substr(0, 40)), "expected more than 40 bytes; the file is cut off"));
+  std::vector<RglTable> damaged = tables;
+  damaged[1].values[1] = std::nanf("");
+  EXPECT_TRUE(has(error(rgl_bytes(damaged)), "expected 2 ascending values or more in the field \"theta_i\""));
+  // Sizes are those of the file before anything is held: 6 GB of values, and a side that no int has.
+  damaged = tables;
+  damaged[6].shape = {1, 2, 2, 20000, 20000};
+  EXPECT_TRUE(has(error(rgl_bytes(damaged)), "the file is cut off")) << error(rgl_bytes(damaged));
+  damaged[6].shape = {1, 1, 1, 1, uint64_t(1) << 31};
+  EXPECT_TRUE(has(error(rgl_bytes(damaged)), "got a side of 2147483648")) << error(rgl_bytes(damaged));
   tables[3].values[1] = -1;
   EXPECT_TRUE(has(error(rgl_bytes(tables)),
                   "bad.bsdf: expected values of 0 or more in the field \"ndf\" of a measured BRDF, got -1"));

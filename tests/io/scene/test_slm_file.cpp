@@ -294,6 +294,19 @@ last_delay = "0 deg"
   EXPECT_EQ(*fewer.effects.crystal->analyser, 0);
 }
 
+TEST(SlmFile, APolariserThatNobodySetFollowsTheDirector) {
+  const std::string folder = fresh_folder("director");
+  const std::string size = "columns = 8\nrows = 4\npitch = \"8 um\"\nlevels = 4\n";
+  const auto over = [&](const std::string& keys, const std::string& more) {
+    file_in(folder, "p.toml", size + keys);
+    return *load_slm(file_in(folder, "q.toml", "preset = \"p.toml\"\n" + more)).effects.crystal;
+  };
+  const std::string turned = "[crystal]\ndirector = \"10 deg\"\n";
+  EXPECT_DOUBLE_EQ(*over("[crystal]\ndirector = \"30 deg\"\n", turned).polariser, pi / 18);
+  EXPECT_DOUBLE_EQ(*over("polariser = \"20 deg\"\n[crystal]\ndirector = \"30 deg\"\n", turned).polariser, pi / 9);
+  EXPECT_DOUBLE_EQ(*over("[crystal]\ndirector = \"30 deg\"\n", "polariser = \"5 deg\"\n" + turned).polariser, pi / 36);
+}
+
 TEST(SlmFile, ABadCrystalIsRefusedWithItsLine) {
   const std::string folder = fresh_folder("bad_crystal");
   file_in(folder, "delays.csv", "level, phase_rad\n0, 1\n3, 0\n");

@@ -41,6 +41,14 @@ TEST(JobProbes, ASmallPanelHasTheIlluminationStatesOfTheJob) {
   EXPECT_EQ(on_small_panel(given, 0.25).show.illumination_states, 5);
   given.show = {};
   EXPECT_EQ(on_small_panel(given, 0.25).show.illumination_states, 0);  // coherent light
+  // Light of two polarisations takes these states twice. The number of states is that of one.
+  Job crossed = job;
+  crossed.slm.effects.crystal = Crystal{.polariser = 0.35};
+  crossed.slm.own_effects = {"crystal"};
+  EXPECT_EQ(count(crossed), 60U);
+  EXPECT_EQ(on_small_panel(crossed, 0.25).show.illumination_states, 30);
+  EXPECT_EQ(most_states(crossed, viewpoints(crossed.camera, crossed.render)), 60);
+  EXPECT_EQ(most_instants(crossed, viewpoints(crossed.camera, crossed.render)), 30);
 }
 
 // A lens without a pupil is refused at every size.

@@ -405,6 +405,18 @@ TEST(CrystalLevels, OfAmplitudesAreEvenSteps) {
   }
 }
 
+TEST(CrystalLevels, OfAmplitudesAreOfOneRiseOfManyTurns) {
+  // |t| = |sin(δ/2)| over δ = 0 … 4π: between the zeros at levels 0, 128 and 256 each rise and fall takes 64 levels. Those of
+  // several of them would have phases all around the circle; along one rise the phase turns by a quarter with the crystal's mean.
+  Slm slm = crystal_panel(4, 4, 256, {.polariser = pi / 4, .analyser = -pi / 4});
+  slm.phase_range = 4 * pi;
+  const AmplitudeTable table = amplitude_table(slm, 256, 1);
+  const auto [first, last] = std::minmax_element(table.level_of_step.begin(), table.level_of_step.end());
+  EXPECT_EQ(*last - *first, 64);
+  for (int step = 0; step < 256; ++step)
+    EXPECT_NEAR(std::abs(std::sin(2 * pi * table.level_of_step[size_t(step)] / 256)), step / 255.0, pi / 256 + 1e-4);
+}
+
 // --- bad input ------------------------------------------------------------------------------------
 
 TEST(Crystal, SaysWhatIsWrong) {

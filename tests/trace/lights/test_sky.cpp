@@ -67,6 +67,18 @@ TEST(Sky, ALowSunIsRed) {
   EXPECT_GT(sun.y, 5 * sun.z);
 }
 
+TEST(Sky, TheAirOfALowSunIsThatOfKasten) {
+  // 1/(sin h + 0.15·(h + 3.885°)^−1.253): 10.3231 at 5°, 2.8999 at 20° and 0.9995 at 90°, computed apart to five digits. The depth of
+  // the air is the same for all, so the logarithms of the sun's light differ by the masses alone.
+  const auto light_at = [](double degrees) {
+    return SkyModel({.turbidity = 4, .elevation = degrees * pi / 180}, Lines{}).sun_radiance();
+  };
+  const Vec3 low = light_at(5), middle = light_at(20), high = light_at(90);
+  const double expected = (10.3231 - 2.8999) / (2.8999 - 0.9995);
+  EXPECT_NEAR(std::log(middle.x / low.x) / std::log(high.x / middle.x), expected, 2e-4 * expected);
+  EXPECT_NEAR(std::log(middle.z / low.z) / std::log(high.z / middle.z), expected, 2e-4 * expected);
+}
+
 TEST(Sky, LightsAWallByTheIrradianceOfItsDisc) {
   // A sun in front of the wall, and the same sky without it: the difference is E·cosθ·ρ/π, E = L·Ω.
   Scene scene = wall_scene();

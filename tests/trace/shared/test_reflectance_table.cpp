@@ -30,15 +30,41 @@ TEST(ReflectanceTable, IsNearTheSpectraOfAllColours) {
     largest = std::max(largest, error);
     sum += error;
   }
-  // Linear over 1/32 of a curve between 0 and 1 that rises in an eighth: f''·h²/8 = 64/1024/8 = 8e-3 at its knees, for three
-  // axes. Most colours are far from them.
-  EXPECT_LT(largest, 0.024);
-  EXPECT_LT(sum / count, 0.002);
+  // Linear over 1/24 of the ratios and a sixteenth of the levels, where spectra of saturated colours bend: at most 1 %, as measured
+  // over 1500 colours. Most colours are far from there.
+  EXPECT_LT(largest, 0.012);
+  EXPECT_LT(sum / count, 0.001);
+}
+
+TEST(ReflectanceTable, LeavesGreysGrey) {
+  // All of the spectrum is the grey itself, between places of the raster, too. The fit ends at 1e-7 of squared error; darker than
+  // 1e-3 the table goes on in proportion.
+  const ReflectanceTable& table = reflectance_table(lasers);
+  for (const double grey : {1e-4, 2e-3, 0.0101, 0.0152, 0.03, 0.0501, 0.18, 0.37, 0.63, 0.9, 0.987, 0.999}) {
+    const Vec3 found = table.at({grey, grey, grey});
+    for (const double value : {found.x, found.y, found.z}) EXPECT_NEAR(value / grey, 1, 1e-3) << grey;
+  }
+  EXPECT_EQ(table.at({0, 0, 0}), Vec3{});
+}
+
+TEST(ReflectanceTable, KeepsDarkColours) {
+  // Relative to the brightest of the three lines, 2 %: the steps of the raster are ratios of the components.
+  const ReflectanceTable& table = reflectance_table(lasers);
+  CounterRandom random(3, 0, 0);
+  for (int k = 0; k < 100; ++k) {
+    const double r = 0.3 + 0.7 * random.uniform(), g = 0.3 + 0.7 * random.uniform(), b = 0.3 + 0.7 * random.uniform();
+    const Vec3 rgb = Vec3{r, g, b} * (0.005 + 0.05 * random.uniform());
+    const SmoothReflectance exact = fit_reflectance(rgb);
+    const Vec3 wanted{exact.at(lasers[0]), exact.at(lasers[1]), exact.at(lasers[2])};
+    const Vec3 error = table.at(rgb) - wanted;
+    EXPECT_LT(std::max({std::abs(error.x), std::abs(error.y), std::abs(error.z)}),
+              0.02 * std::max({wanted.x, wanted.y, wanted.z}));
+  }
 }
 
 TEST(ReflectanceTable, IsTakenForSurfacesIfTheSceneAsksForIt) {
   Scene scene = make_corner();
-  const Vec3 orange{0.75, 0.375, 0.125};  // on the raster
+  const Vec3 orange{0.5, 0.25, 0.125};  // on the raster
   scene.materials[1] = DiffuseMaterial{orange, nullptr, {}};
   const Lines lines = make_lines(lasers[0], lasers[1], lasers[2]);
   SurfacePoint point;

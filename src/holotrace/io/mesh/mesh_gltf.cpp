@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "holotrace/base/error.h"
@@ -79,8 +80,11 @@ class GltfReader {
       if (node.contains("mesh"))
         for (const Frame& copy : copies_of(node)) read_mesh(node, compose(places_.at(number), copy));
       const Json& light = extension(node, "KHR_lights_punctual");
-      if (light.contains("light")) read_light(gltf_count(gltf_, light.at("light")), places_.at(number));
-      if (node.contains("camera")) read_camera(gltf_count(gltf_, node.at("camera")), node, places_.at(number));
+      if (light.contains("light"))
+        read_or_leave_out("light", [&] { read_light(gltf_count(gltf_, light.at("light")), places_.at(number)); });
+      if (node.contains("camera"))
+        read_or_leave_out("camera",
+                          [&] { read_camera(gltf_count(gltf_, node.at("camera")), node, places_.at(number)); });
     });
     LoadedModel model = reader_.finish(std::move(materials_), last_key_.has_value());
     model.lights = std::move(lights_);
@@ -156,11 +160,24 @@ class GltfReader {
     return copies;
   }
 
-  // A number of a light or camera in its range; `otherwise` if it is not given.
-  double number_of(const Json& parent, const char* key, double otherwise, double lowest, double highest) const {
+  // Reads a light or a camera, which most users of the model do not ask for: a damaged one is left out.
+  void read_or_leave_out(const char* what, const std::function<void()>& read) {
+    const auto leave_out = [&](const std::string& why) {
+      reader_.warn(what, fmt::format("a {} is left out: {}", what, why));
+    };
+    try {
+      read();
+    } catch (const Json::exception& e) {
+      leave_out(reason(e));
+    } catch (const Error& e) {
+      leave_out(e.what());
+    }
+  }
+
+  // A number of a light in its range; `otherwise` if it is not given.
+  static double number_of(const Json& parent, const char* key, double otherwise, double lowest, double highest) {
     const double value = parent.value(key, otherwise);
-    require(value >= lowest && value <= highest, "{}: expected {} from {} to {}, got {}; export it again",
-            reader_.path(), key, lowest, highest, value);
+    require(value >= lowest && value <= highest, "expected {} from {} to {}, got {}", key, lowest, highest, value);
     return value;
   }
 
@@ -169,12 +186,10 @@ class GltfReader {
     const Json& light = list(extension(gltf_.document, "KHR_lights_punctual"), "lights").at(number);
     const auto colour = numbers<3>(light, "color", {1, 1, 1});
     require(std::all_of(colour.begin(), colour.end(), [](double c) { return c >= 0 && c <= most; }),
-            "{}: expected colours of lights of 0 or more, got ({}, {}, {}); export it again", reader_.path(), colour[0],
-            colour[1], colour[2]);
+            "expected colours of 0 or more, got ({}, {}, {})", colour[0], colour[1], colour[2]);
     const Vec3 power = Vec3{colour[0], colour[1], colour[2]} * number_of(light, "intensity", 1, 0, most);
     require(is_finite(power) && is_finite(place.origin) && length(place.z) > 0 && length(place.z) <= most,
-            "{}: expected a light of a finite place, direction and intensity, got another; export it again",
-            reader_.path());
+            "expected a finite place, direction and intensity, got others");
     const Vec3 direction = normalize(place.z) * -1.0;
     const std::string type = light.at("type").get<std::string>();
     if (type == "point") {
@@ -200,8 +215,7 @@ class GltfReader {
         is_orthographic ? lens.at("ymag").get<double>() : std::tan(lens.at("yfov").get<double>() / 2);
     const auto is_usable = [](double value) { return value > 0 && std::isfinite(value); };
     require(is_finite(place.origin) && is_usable(read.slope + read.offset) && is_usable(std::abs(determinant(place))),
-            "{}: expected a camera of a finite place with a picture of some height, got another; export it again",
-            reader_.path());
+            "expected a finite place and a picture of some height, got others");
     cameras_.push_back(std::move(read));
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -90,7 +91,7 @@ MeasuredBrdf read_rgl(const std::string& content, const std::string& path) {
     size_t count = 1;
     for (uint16_t k = 0; k < dimensions; ++k) {
       const auto side = bytes.number<uint64_t>();
-      require(side >= 1 && side <= largest_file / count,
+      require(side >= 1 && side <= std::min<uint64_t>(largest_file / count, std::numeric_limits<int>::max()),
               "{}: expected a field \"{}\" that fits the file, got a side of {}", path, name, side);
       shape.push_back(int(side));
       count *= size_t(side);
@@ -101,9 +102,10 @@ MeasuredBrdf read_rgl(const std::string& content, const std::string& path) {
     constexpr uint8_t floats = 10;
     require(kind == floats, "{}: expected 32-bit floats in the field \"{}\", got numbers of the kind {}", path, name,
             kind);
+    const std::string_view values =
+        bytes.at(size_t(place), count * sizeof(float));  // which a file that ends earlier lacks
     MeasuredField& field = brdf.fields[size_t(known - names.begin())];
     field = {name, shape, std::vector<float>(count)};
-    const std::string_view values = bytes.at(size_t(place), count * sizeof(float));
     std::memcpy(field.values.data(), values.data(), values.size());
   }
   for (size_t i = 0; i < names.size(); ++i)

@@ -143,8 +143,8 @@ void read_crystal(TomlTable& table, Slm& slm, bool has_new_levels) {
                        table.has("plates_before") || table.has("plates_behind");
   std::optional<Crystal>& known = slm.effects.crystal;
   if (!is_here && !known) return;
-  const bool is_new = !known;
   Crystal crystal = known.value_or(Crystal());
+  const bool is_along_director = !known || crystal.polariser == crystal.director;
   if (has_new_levels) crystal.delays = delays_with_levels(crystal.delays, slm.levels);
   if (std::optional<TomlTable> own = table.table("crystal", "twist = \"45 deg\"")) {
     own->choice("kind", crystal.pass, crystal_pass_names);
@@ -153,7 +153,7 @@ void read_crystal(TomlTable& table, Slm& slm, bool has_new_levels) {
     read_delays(*own, slm.levels, crystal.delays);
     own->refuse_unknown_keys();
   }
-  if (is_new) crystal.polariser = crystal.director;
+  if (is_along_director) crystal.polariser = crystal.director;
   read_axis(table, "polariser", crystal.polariser);
   read_axis(table, "analyser", crystal.analyser);
   read_plates(table, "plates_before", crystal.plates_before);

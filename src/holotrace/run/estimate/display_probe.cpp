@@ -87,8 +87,7 @@ Job on_small_panel(const Job& job, double side) {
   // Shorter distances need fewer wavelengths of a spectrum. A source and flicker need the same number at every scale.
   if (job.show.illumination_states == 0 && job.show.bandwidth > 0)
     small.show.illumination_states =
-        int(plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image, viewpoints_of(job))
-                .states.size());
+        plan_illumination(job.slm, job.show, job.wavelengths.front(), job.encode.image, viewpoints_of(job)).instants;
   Grid& panel = small.slm.grid;
   const auto fewer = [&](int& count) {
     if (count > 0) count = std::max(2, int(std::lround(count * side)));
@@ -192,7 +191,7 @@ double DisplayProbe::predict(double part) {
   const int iterations = iterations_of(job.encode), few = std::min(iterations, few_iterations);
   const int more = tried_iterations(part);
   if (iterations > 0) small.encode.iterations = few;
-  const int64_t all_states = most_states(small, viewpoints(small.camera, small.render));
+  const int64_t all_states = most_instants(small, viewpoints(small.camera, small.render));
   const bool has_many = all_states > 2 * few_states;
   if (has_many) small.show.illumination_states = few_states;
   // Frames that are found together share the work of the targets.

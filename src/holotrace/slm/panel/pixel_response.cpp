@@ -1,6 +1,7 @@
 #include "holotrace/slm/panel/pixel_response.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -215,17 +216,48 @@ int LevelTable::level_of(double cycles) const {
   return off_next < off_before ? next.level : before.level;
 }
 
+namespace {
+
+// The first and last level of the shortest part of a curve between about its least and its largest amplitude. The curve of a
+// crystal whose delays exceed a turn rises and falls several times, each time with other phases.
+std::pair<int, int> rising_part(const std::vector<double>& amplitudes) {
+  const auto [darkest, brightest] = std::minmax_element(amplitudes.begin(), amplitudes.end());
+  const double margin = 0.02 * (*brightest - *darkest);
+  const int count = int(amplitudes.size());
+  std::pair<int, int> shortest{0, count - 1};
+  std::array<int, 2> met{-1, -1};  // last levels that were dark and bright
+  for (int level = 0; level < count; ++level)
+    for (const size_t is_bright : {size_t(0), size_t(1)}) {
+      const double amplitude = amplitudes[size_t(level)];
+      if (is_bright ? amplitude < *brightest - margin : amplitude > *darkest + margin) continue;
+      met[is_bright] = level;
+      const int other = met[1 - is_bright];
+      if (other >= 0 && level - other < shortest.second - shortest.first) shortest = {other, level};
+    }
+  // On to the ends of that part.
+  auto& [first, last] = shortest;
+  const bool rises = amplitudes[size_t(last)] >= amplitudes[size_t(first)];
+  const auto goes_on = [&](int from, int to) {
+    return rises ? amplitudes[size_t(to)] > amplitudes[size_t(from)]
+                 : amplitudes[size_t(to)] < amplitudes[size_t(from)];
+  };
+  while (first > 0 && goes_on(first - 1, first)) --first;
+  while (last + 1 < count && goes_on(last, last + 1)) ++last;
+  return shortest;
+}
+
+}  // namespace
+
 AmplitudeTable amplitude_table(const Slm& slm, int levels, double stretch) {
   const PixelResponse response(slm, Modulation::amplitude, levels, stretch, 0);
   AmplitudeTable table;
   for (int level = 0; level < levels; ++level) table.amplitudes.push_back(std::abs(response.light_at(level)));
-  const auto [darkest, brightest] = std::minmax_element(table.amplitudes.begin(), table.amplitudes.end());
-  const auto first = std::min(darkest, brightest), last = std::max(darkest, brightest);
+  const auto [first, last] = rising_part(table.amplitudes);
   std::vector<std::pair<double, int>> used;  // by amplitude
-  for (auto at = first; at <= last; ++at) used.emplace_back(*at, int(at - table.amplitudes.begin()));
+  for (int level = first; level <= last; ++level) used.emplace_back(table.amplitudes[size_t(level)], level);
   std::sort(used.begin(), used.end());
   for (int step = 0; step < levels; ++step) {
-    const double wanted = *brightest * step / (levels - 1);
+    const double wanted = used.back().first * step / (levels - 1);
     auto nearest = std::lower_bound(used.begin(), used.end(), std::pair<double, int>(wanted, 0));
     if (nearest == used.end() || (nearest != used.begin() && wanted - (nearest - 1)->first < nearest->first - wanted))
       --nearest;

@@ -67,7 +67,8 @@ Bsdf make(const PrincipledMaterial& material, const SurfacePoint& point, const L
 }
 
 Bsdf make(const ScatteringMaterial& material, const SurfacePoint&, const Lines& lines) {
-  ScatteringBsdf b{lines.reflectance_of(material.albedo), material.anisotropy, {}};
+  // Not a colour of a surface, which smooth spectra are for.
+  ScatteringBsdf b{lines.from_rgb(material.albedo), material.anisotropy, {}};
   for (size_t i = 0; i < 3 && material.droplet_radius > 0; ++i)
     b.droplets[i] = &droplet_phase(material.droplet_radius, lines.wavelengths[i]);
   return b;

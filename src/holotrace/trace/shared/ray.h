@@ -35,17 +35,18 @@ struct SurfacePoint {
   bool is_particle() const { return mesh == no_mesh; }
 };
 
-/// Smooth spectra (data/smooth_reflectance.h) of colours on a raster of 33 × 33 × 33, at three wavelengths: linear between them.
+/// Smooth spectra (data/smooth_reflectance.h) of colours at three wavelengths, linear on a raster of the largest component, which is
+/// fine near black and white, and of the other two over it. So greys are exact, and dark colours keep their relations.
 class ReflectanceTable {
  public:
-  static constexpr int size = 33;
+  static constexpr int levels = 17, ratios = 25;
 
   explicit ReflectanceTable(const std::array<double, 3>& wavelengths);  ///< [m]
 
   Vec3 at(Vec3 rgb) const;
 
  private:
-  std::vector<Vec3> values_;
+  std::vector<Vec3> values_;  ///< over the largest component
 };
 
 /// The table for three wavelengths [m], computed on the first call for them (1 s). Any number of threads may call.
