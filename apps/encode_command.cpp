@@ -62,6 +62,16 @@ EncodeJob job_of_stack_file(const std::string& path, Outside outside, const Slm&
   return job_of_stack(load_focal_stack(path, outside), slm, wavelengths, params);
 }
 
+// The command that shows a target picture, and nothing of the light beside it, which may be brighter.
+std::string command_to_see(const std::string& output, size_t holograms, const Grid& panel, const EncodeParams& params) {
+  std::string files = output;
+  for (size_t i = 1; i < holograms; ++i) files += " " + numbered_path(output, i);
+  const TargetSize size = target_size(panel, params);
+  return fmt::format("holotrace show {} --distance \"{}\" --width \"{}\" --height \"{}\" -o view.png", files,
+                     format_length(params.target_distances.front()), format_length(size.columns * panel.pitch),
+                     format_length(size.rows * panel.pitch));
+}
+
 // The holograms that a job will make, without their levels.
 std::vector<Hologram> blank_holograms(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params) {
   std::vector<Hologram> blank;
@@ -182,6 +192,9 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->report.empty()) save_report(o->report, report);
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));
     checkpoints.remove();
+    const bool is_picture = !is_field && !is_stack;
+    if (is_picture && !params.target_distances.empty() && !o->panel.are_given() && !global.is_quiet)
+      fmt::print("to see the picture: {}\n", command_to_see(o->output, holograms.size(), slm.grid, params));
   });
 }
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Lays out what scripts/figures made of holograms that were optimised against path-traced light: the series of focus, pupil
-and frames beside the renders, and the README's picture.
+and frames beside the renders, and the README's picture; or scenes that show materials.
 
-Usage: scripts/photoreal_sheets.py DIR [--docs]
+Usage: scripts/photoreal_sheets.py DIR [--only materials] [--docs]
 
-DIR holds the folders chess_photoreal, chess_light_field and photoreal_frames_1, _2, _4 and _8.
+DIR holds the folders chess_photoreal, chess_light_field and photoreal_frames_1, _2, _4 and _8; or those of MATERIALS.
 """
 import pathlib
 import sys
@@ -19,6 +19,11 @@ from hmcpt_sheets import lay_out, numbered, save_sheets
 FRAMES = (1, 2, 4, 8)
 EYES = {"-1.5": "x = −1.5 mm", "0": "x = 0", "1.5": "x = 1.5 mm"}
 SIZE = (480, 270)
+MATERIALS = {
+    "light_shafts": ("Fog, milk and skin", "A lamp shines through a grille into fog. Waves start at its particles, and inside of the milk (left) and the skin."),
+    "sunset_optimised": ("A low sun", "The sky and its sun are infinitely far away: they are blurred where the view is sharp on the gate, then on the ball."),
+    "layered_surfaces": ("Layered surfaces", "Clear coat, sheen, brushed metal, thin films, tinted and half clear glass, a soap bubble, a lamp shade."),
+}
 
 
 def alike(paths, size, is_grey=False):
@@ -32,10 +37,10 @@ def alike(paths, size, is_grey=False):
     return pictures
 
 
-def beside_renders(labels, views, renders, size=SIZE):
-    """Two rows: the views, and below them the renders, of the light in red."""
-    return [list(zip([f"hologram, {label}" for label in labels], alike(views, size, True))),
-            list(zip([f"render, {label.partition(' (')[0]}" for label in labels], alike(renders, size, True)))]
+def beside_renders(labels, views, renders, size=SIZE, is_grey=True):
+    """Two rows: the views, and below them the renders; grey: of the light in red."""
+    return [list(zip([f"hologram, {label}" for label in labels], alike(views, size, is_grey))),
+            list(zip([f"render, {label.partition(' (')[0]}" for label in labels], alike(renders, size, is_grey)))]
 
 
 def psnr_at(folder, distance):
@@ -59,6 +64,16 @@ def pupil_sheet(output):
                    beside_renders([f"eye at {name}" for name in EYES.values()],
                                   [folder / f"view_from_{eye}.png" for eye in EYES],
                                   [folder / f"render_from_{eye}.png" for eye in EYES]))
+
+
+def material_sheet(output, name):
+    folder, (title, caption) = output / name, MATERIALS[name]
+    planes = distances(folder)[:2]
+    labels = [f"focus at {d} ({psnr_at(folder, d):.1f} dB)" for d in planes]
+    with Image.open(folder / "view.png") as view:
+        size = (720, round(720 * view.height / view.width))
+    pictures = [[numbered(folder, stem, i + 1) for i in range(len(planes))] for stem in ("view", "render")]
+    return lay_out(title, caption, beside_renders(labels, *pictures, size, is_grey=False))
 
 
 def frames_sheet(output):
@@ -94,7 +109,13 @@ def readme_picture(output):
 
 
 def main():
-    output = pathlib.Path(sys.argv[1])
+    output, docs = pathlib.Path(sys.argv[1]), "--docs" in sys.argv[2:]
+    if "materials" in sys.argv[2:]:
+        sheets = {name: material_sheet(output, name) for name in MATERIALS}
+        save_sheets(output, sheets)
+        for name, sheet in sheets.items() if docs else ():
+            renew_picture(name, sheet)
+        return
     sheets = {"photoreal_focus": focus_sheet(output), "photoreal_pupil": pupil_sheet(output),
               "photoreal_frames": frames_sheet(output)}
     save_sheets(output, sheets)
@@ -102,7 +123,7 @@ def main():
     picture.save(output / "chess_photoreal.png", optimize=True)
     table = frames_table(output)
     save_table(output, "optimised", table)
-    if "--docs" in sys.argv[2:]:
+    if docs:
         renew_table("optimised", table)
         for name, sheet in sheets.items():
             renew_picture(name, sheet)
