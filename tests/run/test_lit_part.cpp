@@ -73,7 +73,7 @@ TEST(LitPart, AViewOfFewWavesGetsAWarning) {
   const std::vector<std::string> warnings = warnings_of(99);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(
-      warnings[0].substr(0, 112),
+      warnings[0].substr(0, 107),
       "the view shows dots: 9.9 % of it is lit, and 20 % of the render; 64 waves are too few for 50 × 20 pixels; ");
 }
 

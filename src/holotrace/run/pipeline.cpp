@@ -378,7 +378,8 @@ RunResults run(const Job& given, const StageObserver& watch, const CheckpointOf&
       report_place(places[d], o);
       report_metrics(references[d], view, efficiency(view, sums[d]), o);
       report_lit_render(references[d].image, o);
-      if (d == 0 && !light.sources.empty()) warn_of_dots(view, references[d].image, light.sources.front().size(), o);
+      if (d == 0 && !light.sources.empty())
+        warn_of_dots(view, references[d].image, light.sources.front().waves.size(), o);
       // Without a pupil the render is the target picture, whose peak the metrics refer to.
       if (aims && job.camera.pupil == 0 && o.on_fact && peak_of(references[d].image) > 0)
         o.fact("psnr_of_target_db", scaled_error(references[d].image, view).psnr);
