@@ -140,8 +140,9 @@ TEST(Colour, TheReportTellsColoursSetsAndFramesInOneEntryPerStage) {
   EXPECT_EQ(std::get<int64_t>(stages.at("synthesize").at("waves")), 2 * waves);
   EXPECT_TRUE(stages.at("look at 30 mm").contains("psnr_db"));
   EXPECT_TRUE(stages.at("look at 30 mm").contains("speckle_contrast"));
-  ASSERT_EQ(warnings.size(), 1u);  // constant phases: one warning
+  ASSERT_EQ(warnings.size(), 2u);  // constant phases, and 16 x 16 rays: one warning each
   EXPECT_NE(warnings[0].find("all 2 frames are equal"), std::string::npos);
+  EXPECT_NE(warnings[1].find("the view shows dots"), std::string::npos);
 }
 
 TEST(Colour, FramesThatAreAlikeAreTheFirst) {

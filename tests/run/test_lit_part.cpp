@@ -62,15 +62,16 @@ TEST(LitPart, OfSpeckleIsNearlyAll) {
 
 // The threshold is half of what the render has.
 TEST(LitPart, AViewOfFewWavesGetsAWarning) {
-  const auto warnings_of = [](int lit) {
+  const auto warnings_of = [](int lit, int of_render) {
     std::vector<std::string> warnings;
     Observer observer;
     observer.on_warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
-    warn_of_dots(first_pixels(lit, 1), first_pixels(200, 1), 64, observer);
+    warn_of_dots(first_pixels(lit, 1), first_pixels(of_render, 1), 64, observer);
     return warnings;
   };
-  EXPECT_TRUE(warnings_of(100).empty());
-  const std::vector<std::string> warnings = warnings_of(99);
+  EXPECT_TRUE(warnings_of(100, 200).empty());
+  EXPECT_TRUE(warnings_of(0, 9).empty());  // 0.9 % of the render: no surface
+  const std::vector<std::string> warnings = warnings_of(99, 200);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(
       warnings[0].substr(0, 107),

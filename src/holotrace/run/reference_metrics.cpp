@@ -195,7 +195,7 @@ void report_lit_render(const Image& render, const Observer& observer) {
 
 void warn_of_dots(const Image& view, const Image& render, size_t waves, const Observer& observer) {
   const double lit = lit_fraction(view), wanted = lit_fraction(render);
-  if (lit >= least_lit_by_waves * wanted) return;
+  if (wanted < least_surface || lit >= least_lit_by_waves * wanted) return;
   observer.warn(fmt::format(
       "the view shows dots: {} of it is lit, and {} of the render; {} waves are too few for {} × {} pixels; trace more "
       "(columns and rows, or samples, in [trace]), or let run optimise the holograms (--quality draft)",

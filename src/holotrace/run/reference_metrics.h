@@ -73,6 +73,7 @@ void report_lit_render(const Image& render, const Observer& observer);
 /// The least lit part of a view over that of its render with which waves look like a surface. 512² and 256² waves of the chess game
 /// on 960 × 540 pixels have 1.1, 128² have 0.85, and 64², which are a lattice of dots, 0.31.
 inline constexpr double least_lit_by_waves = 0.5;
+inline constexpr double least_surface = 0.01;  ///< lit part of a render; what is smaller may be dots itself
 
 /// Warns if the view is dark between waves that are too few. @param waves  number of waves of a frame
 void warn_of_dots(const Image& view, const Image& render, size_t waves, const Observer& observer);
