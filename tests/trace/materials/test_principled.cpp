@@ -353,20 +353,5 @@ TEST(Principled, SpecularWeightAndIndexSetTheHeadOnReflectance) {
   EXPECT_NEAR(mirror.ways[0].weight.z, 0, 1e-12);
 }
 
-TEST(Principled, ASolidAbsorbsByItsColourAtItsDistance) {
-  PrincipledMaterial glass = white(0);
-  glass.transmission.value = 1;
-  glass.attenuation_color = {0.5, 0.25, 1};
-  glass.attenuation_distance = 10e-3;
-  const SurfacePoint back = flat_point(false);
-  const Vec3 left = transmitted_inside(glass, back, 20e-3, Lines{});
-  EXPECT_NEAR(left.x, 0.25, 1e-12);  // σ = ln 2/10 mm
-  EXPECT_NEAR(left.y, 0.0625, 1e-12);
-  EXPECT_NEAR(left.z, 1, 1e-12);
-  EXPECT_EQ(transmitted_inside(glass, flat_point(), 20e-3, Lines{}), (Vec3{1, 1, 1}));
-  glass.is_thin = true;
-  EXPECT_EQ(transmitted_inside(glass, back, 20e-3, Lines{}), (Vec3{1, 1, 1}));
-}
-
 }  // namespace
 }  // namespace holotrace

@@ -16,8 +16,10 @@ namespace holotrace {
 /// The media of a scene: where a ray is in which of them, where a particle stops it, and how much light passes.
 ///
 /// **Where.** Closed meshes whose material has a medium, boxes, and one medium for the rest of space. Inside several of them, the
-/// one that the ray entered last counts. Solids of glass without a medium are empty. Nothing is remembered along a path: all
-/// boundaries on the whole line tell where it began.
+/// one that the ray entered last counts. Solids without a medium absorb by their attenuation (PrincipledMaterial), or are empty.
+/// Nothing is remembered along a path: all boundaries on the whole line tell where it began.
+///
+/// **Absorption alone.** A medium that neither scatters nor emits has no particles: light is dimmed by its transmittance.
 ///
 /// **Free flight.** A ray meets a particle at the distance t with the density σ(t)·T(t), T = exp(−∫σ dt). Colours may have
 /// different σ. The distance is then drawn by one of the three lines, chosen at random, and the light is weighted by the mean of
@@ -57,12 +59,16 @@ class Media {
   /// Largest z of a box [m]; 0 if all are behind the panel.
   double front() const { return front_; }
 
+  /// Accelerator::reach_of_particles.
+  double reach_of_particles(const ScenePrecision& scene) const;
+
  private:
   class Grid;
   struct Kind {
-    Vec3 extinction;  // at the lines [1/m]
-    int material;
-    const Grid* grid;  // nullptr: even
+    Vec3 extinction;    // at the lines [1/m]
+    int material;       // of the particles
+    const Grid* grid;   // nullptr: even
+    bool only_absorbs;  // has no particles
   };
   struct Region {
     int medium;  // −1: empty
@@ -88,8 +94,9 @@ class Media {
   Hit particle(const Ray& ray, const Flight& flight) const;
   template <class Visit>
   bool visit_tentative(const Ray& ray, const Segment& segment, uint64_t& random, const Visit& visit) const;
+  Vec3 passed_on(const Ray& ray, const Segment& segment, uint64_t& random) const;
 
-  std::vector<Kind> kinds_;                   // of each medium
+  std::vector<Kind> kinds_;                   // of each medium, then of solids that absorb
   std::vector<std::unique_ptr<Grid>> grids_;  // of those that have one
   std::vector<int> of_mesh_;                  // medium of each mesh of boundaries_
   Scene bounding_;                            // the meshes that bound media
@@ -99,7 +106,7 @@ class Media {
   double front_ = 0;
 };
 
-/// The media of a scene; nullptr if there are none.
+/// The media of a scene; nullptr if there are none, nor solids that absorb.
 std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines);
 
 /// Checks numbers and grids. @throws Error, naming the medium

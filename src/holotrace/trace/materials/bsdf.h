@@ -87,13 +87,6 @@ bool is_pane(const Material& material);
 /// The refractive index of a solid that light enters by this surface; nullptr for any other surface.
 const RefractiveIndex* solid_index(const Material& material);
 
-/// Whether a surface encloses a solid that absorbs light on its way.
-bool absorbs_inside(const Material& material);
-
-/// The share of light left on the way through the solid to this point, exp(−σ·distance) at the lines; 1 outside. With the
-/// colour c after the distance d, σ = −ln(c)/d (KHR_materials_volume).
-Vec3 transmitted_inside(const Material& material, const SurfacePoint& point, double distance, const Lines& lines);
-
 /// The material of a surface; black for the surface of a light, whose emission belongs to the light itself.
 const Material& material_at(const Scene& scene, const SurfacePoint& point);
 
