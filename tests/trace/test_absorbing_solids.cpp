@@ -164,6 +164,25 @@ TEST(AbsorbingSolids, ASlabInAFurnaceHasItsTransmittanceAndReflectance) {
   EXPECT_NEAR(seen.z, 1, 1e-3);  // paths longer than max_depth
 }
 
+// A medium in a solid takes the place of its attenuation; what a mesh with a hole encloses ends at its last face.
+TEST(AbsorbingSolids, EndAtMediaAndAtTheirLastFace) {
+  Scene scene;
+  scene.materials = {absorbing(1, true)};
+  add_block(scene, -0.3, -0.1);
+  const Ray ray{{0.0013, 0.0007, 0}, {0, 0, -1}};
+  EXPECT_NEAR(Accelerator(scene).transmittance(ray, 1).x, share_after(0.2).x, 1e-6);
+  Medium& medium = scene.media.emplace_back();
+  medium.extinction = {1, 1, 1};
+  scene.materials.emplace_back(ScatteringMaterial{});
+  medium.material = 1;
+  scene.materials[0].medium = 0;
+  EXPECT_NEAR(Accelerator(scene).transmittance(ray, 1).x, std::exp(-0.2), 1e-6);
+  Scene open;
+  open.materials = {absorbing(1, true)};
+  open.meshes = {make_wall(-0.1, 0.1, 0.1)};
+  EXPECT_EQ(Accelerator(open).transmittance(ray, 1).x, 1);
+}
+
 // Light that glass bends on its way to a wall in it: a caustic. The wall is 0.2 m below the face.
 TEST(AbsorbingSolids, DimCaustics) {
   const std::vector<Light> lights{
@@ -189,8 +208,7 @@ void add_fog(Scene& scene, double low, double high, Vec3 extinction, double albe
   Image density(2, 1, 1);
   density(0, 0) = 0.5F;
   density(1, 0) = 1;
-  fog.density = std::make_shared<Image>(density);
-  fog.planes = 2;
+  fog.density = {std::make_shared<Image>(density), 2};
 }
 
 // Fog between a lamp and the glass over a wall. It is crossed on the way to the lamp and by the camera: here the light after the

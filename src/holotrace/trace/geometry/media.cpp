@@ -10,6 +10,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/cie.h"
 
 namespace holotrace {
 
@@ -118,18 +119,32 @@ Vec3 absorption_of(const PrincipledMaterial& solid, const Lines& lines) {
 bool only_absorbs(const Scene& scene, const Medium& medium) {
   const Material& particle = scene.materials[size_t(medium.material)];
   const auto* scattering = std::get_if<ScatteringMaterial>(&particle.surface);
-  return scattering && scattering->albedo == Vec3{} && particle.emission == Vec3{};
+  return scattering && scattering->albedo == Vec3{} && scattering->blackbody == 0 && particle.emission == Vec3{};
+}
+
+void check_cells(const Medium& medium, const Cells& cells, const char* what, const char* range, float most) {
+  if (!cells.values) return;
+  const Image& grid = *cells.values;
+  require(
+      grid.channels == 1 && grid.nx > 0 && cells.planes > 0 && grid.ny >= cells.planes && grid.ny % cells.planes == 0,
+      "expected a {} of at least 1 × 1 × 1 cells of the medium \"{}\"", what, medium.name);
+  require(medium.box.has_value() || (grid.nx == 1 && grid.ny == 1),
+          "expected a box for the {} of the medium \"{}\", got none", what, medium.name);
+  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
+                                    [&](float value) { return value >= 0 && value <= most; });
+  require(bad == grid.values.end(), "expected finite {} of the medium \"{}\", got {}", range, medium.name,
+          bad == grid.values.end() ? 0 : *bad);
 }
 
 }  // namespace
 
-/// The density in a box, interpolated linearly between the centres of cells, and its majorants.
+/// Values in a box, interpolated linearly between the centres of cells, and its majorants.
 class Media::Grid {
  public:
-  explicit Grid(const Medium& medium)
-      : box_(*medium.box),
-        values_(*medium.density),
-        size_{values_.nx, values_.ny / medium.planes, medium.planes},
+  Grid(const std::optional<MediumBox>& box, const Cells& cells)
+      : box_(box.value_or(MediumBox{{-1, -1, -1}, {1, 1, 1}})),  // of one cell; none matters
+        values_(*cells.values),
+        size_{values_.nx, values_.ny / cells.planes, cells.planes},
         blocks_{blocks(size_[0]), blocks(size_[1]), blocks(size_[2])} {
     majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
     for (int k = 0; k < blocks_[2]; ++k)
@@ -137,7 +152,7 @@ class Media::Grid {
         for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
   }
 
-  double density(Vec3 place) const {
+  double at(Vec3 place) const {
     const Vec3 p = in_cells(place) - Vec3{0.5, 0.5, 0.5};
     const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
     double sum = 0;
@@ -213,11 +228,14 @@ class Media::Grid {
   std::vector<float> majorants_;
 };
 
-Media::Media(const Scene& scene, const Lines& lines) {
+Media::Media(const Scene& scene, const Lines& lines) : lines_(lines) {
   for (const Medium& medium : scene.media) {
-    const Grid* grid = nullptr;
-    if (medium.density) grid = grids_.emplace_back(std::make_unique<Grid>(medium)).get();
-    kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid, only_absorbs(scene, medium)});
+    const auto grid_of = [&](const Cells& cells) {
+      return cells.values ? grids_.emplace_back(std::make_unique<Grid>(medium.box, cells)).get() : nullptr;
+    };
+    const Grid* grid = grid_of(medium.density);
+    kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid, only_absorbs(scene, medium),
+                      grid_of(medium.temperature)});
     if (!medium.is_open) continue;
     const int index = int(kinds_.size()) - 1;
     if (!medium.box) {
@@ -337,7 +355,7 @@ bool Media::visit_tentative(const Ray& ray, const Segment& segment, uint64_t& ra
   return kind.grid->visit_blocks(ray, segment.from, segment.to, [&](double from, double to, double majorant) {
     const double mu = most * majorant;
     for (double t = from - std::log1p(-draw(random)) / mu; t < to; t -= std::log1p(-draw(random)) / mu)
-      if (visit(t, kind.extinction * (kind.grid->density(ray.origin + ray.direction * t) / mu))) return true;
+      if (visit(t, kind.extinction * (kind.grid->at(ray.origin + ray.direction * t) / mu))) return true;
     return false;
   });
 }
@@ -424,7 +442,16 @@ Hit Media::particle(const Ray& ray, const Flight& flight) const {
   hit.weight = flight.weight;
   hit.point.position = ray.origin + ray.direction * flight.distance;
   hit.point.geometric_normal = hit.point.normal = -ray.direction;
-  hit.point.material = kinds_[size_t(flight.medium)].material;
+  const Kind& kind = kinds_[size_t(flight.medium)];
+  hit.point.material = kind.material;
+  if (kind.temperature) {
+    constexpr double nanometre = 1e-9;
+    const double temperature = kind.temperature->at(hit.point.position);
+    const auto light = [&](size_t line) {
+      return temperature > 0 ? planck(lines_.wavelengths[line], temperature) * nanometre : 0;
+    };
+    hit.point.colour = {light(0), light(1), light(2)};
+  }
   hit.point.mesh = SurfacePoint::no_mesh;
   return hit;
 }
@@ -486,16 +513,9 @@ void check_medium(const Medium& medium) {
             "without volume",
             medium.name);
   }
-  if (!medium.density) return;
-  const Image& grid = *medium.density;
-  require(medium.box.has_value(), "expected a box for the density of the medium \"{}\", got none", medium.name);
-  require(grid.channels == 1 && grid.nx > 0 && medium.planes > 0 && grid.ny >= medium.planes &&
-              grid.ny % medium.planes == 0,
-          "expected a density of at least 1 × 1 × 1 cells of the medium \"{}\"", medium.name);
-  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
-                                    [](float value) { return value >= 0 && std::isfinite(value); });
-  require(bad == grid.values.end(), "expected finite densities of 0 or more of the medium \"{}\", got {}", medium.name,
-          bad == grid.values.end() ? 0 : *bad);
+  check_cells(medium, medium.density, "density", "densities of 0 or more", std::numeric_limits<float>::max());
+  constexpr float hottest = 1e5F;
+  check_cells(medium, medium.temperature, "temperature", "temperatures from 0 to 100000 K", hottest);
 }
 
 }  // namespace holotrace

@@ -34,6 +34,9 @@ namespace holotrace {
 /// **Transmittance** is exp(−σ·t) in even media, and by ratio tracking in grids: T is the product of 1 − σ/μ over tentative
 /// particles (J. Novák, A. Selle, W. Jarosz, SIGGRAPH Asia 2014), whose mean is exact.
 ///
+/// **Fire.** Particles of a medium with temperatures emit as black particles: σ_a·B(λ, T) per length, with Planck's B of a nanometre of
+/// the spectrum. A thick flame has the radiance of a black body, one of the thickness τ the share 1 − exp(−τ) of it.
+///
 /// Random numbers are a hash of the ray: the same ray always meets the same particle, so particles stand still. Calls may run on
 /// several threads at once. Keeps a reference to the scene.
 class Media {
@@ -67,8 +70,9 @@ class Media {
   struct Kind {
     Vec3 extinction;    // at the lines [1/m]
     int material;       // of the particles
-    const Grid* grid;   // nullptr: even
+    const Grid* grid;   // of densities; nullptr: even
     bool only_absorbs;  // has no particles
+    const Grid* temperature = nullptr;
   };
   struct Region {
     int medium;  // −1: empty
@@ -97,10 +101,11 @@ class Media {
   Vec3 passed_on(const Ray& ray, const Segment& segment, uint64_t& random) const;
 
   std::vector<Kind> kinds_;                   // of each medium, then of solids that absorb
-  std::vector<std::unique_ptr<Grid>> grids_;  // of those that have one
-  std::vector<int> of_mesh_;                  // medium of each mesh of boundaries_
-  Scene bounding_;                            // the meshes that bound media
-  std::unique_ptr<Accelerator> boundaries_;   // nullptr if there are none
+  std::vector<std::unique_ptr<Grid>> grids_;  // of those that have some
+  Lines lines_;
+  std::vector<int> of_mesh_;                 // medium of each mesh of boundaries_
+  Scene bounding_;                           // the meshes that bound media
+  std::unique_ptr<Accelerator> boundaries_;  // nullptr if there are none
   std::vector<Region> boxes_;
   int everywhere_ = -1;
   double front_ = 0;

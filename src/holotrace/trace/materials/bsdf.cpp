@@ -137,8 +137,13 @@ const Material& material_at(const Scene& scene, const SurfacePoint& point) {
 
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines) {
   if (!material.two_sided && !point.is_front) return {};
-  if (!material.emission_texture) return lines.from_rgb(material.emission);
-  return lines.from_rgb(material.emission * eval_texture(*material.emission_texture, point.uv));
+  if (is_hot(material)) {
+    const auto& particles = std::get<ScatteringMaterial>(material.surface);
+    const Vec3 absorbed = Vec3{1, 1, 1} - lines.reflectance_of(particles.albedo);
+    return emission_of(material, {1, 1, 1}, lines) + absorbed * point.colour * particles.blackbody;
+  }
+  return emission_of(
+      material, material.emission_texture ? eval_texture(*material.emission_texture, point.uv) : Vec3{1, 1, 1}, lines);
 }
 
 MediumIndices media_at(const Material& material, const SurfacePoint& point, double wavelength) {
