@@ -282,7 +282,6 @@ double light_of_shaft(double d, double radius, double n, double x0, double x1, d
     const double power =
         passed_face(1, n, enters) * passed_face(n, 1, inside) * 2 * pi * std::sin(theta) * edge / angles;
     const double turned = theta - 2 * (enters - inside);
-    const double start = enters - theta;                // of the place where it enters, from −x
     const double exit = 2 * inside - (enters - theta);  // of the place where it leaves, from +x toward the same side
     const double x = radius * std::cos(exit), rho = radius * std::sin(exit);
     for (int j = 0; j < steps; ++j) {

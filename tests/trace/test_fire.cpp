@@ -37,6 +37,7 @@ Scene make_flame(const Flame& flame) {
   Scene scene;
   Medium medium;
   medium.name = "flame";
+  medium.material = 0;
   medium.extinction = Vec3{1, 1, 1} * flame.extinction;
   medium.is_open = true;
   medium.box = MediumBox{{-1, -1, -0.4}, {1, 1, -0.2}};

@@ -20,12 +20,12 @@
 namespace holotrace {
 namespace {
 
-struct Box {
+struct VoxelBox {
   int low[3], high[3];
 };
 
 /// Expects the values of a grid on the cells of a box.
-void expect_cells(const Cells& cells, const Box& of_cells, const Box& active, int shift) {
+void expect_cells(const Cells& cells, const VoxelBox& of_cells, const VoxelBox& active, int shift) {
   const auto& [a, b] = of_cells;
   const int nx = b[0] - a[0] + 1, ny = b[1] - a[1] + 1, nz = b[2] - a[2] + 1;
   ASSERT_EQ(cells.planes, nz);
@@ -46,7 +46,7 @@ void expect_cells(const Cells& cells, const Box& of_cells, const Box& active, in
 
 TEST(NanoVdb, GridsOfOneFileHaveTheSameCells) {
   const std::string path = test::data_file("two_grids.nvdb");
-  const Box both{{-5, -2, -9}, {12, 9, 4}};
+  const VoxelBox both{{-5, -2, -9}, {12, 9, 4}};
   expect_cells(load_nanovdb(path, "density"), both, {{-5, -2, -9}, {6, 9, 4}}, 0);
   expect_cells(load_cells(path, "temperature"), both, {{-3, -2, -1}, {12, 3, 4}}, 1000);
   EXPECT_EQ(
@@ -58,7 +58,7 @@ TEST(NanoVdb, GridsOfOneFileHaveTheSameCells) {
 
 // Its voxels lie on both sides of 4096, where nodes of the root meet. The one grid of a file may have any name.
 TEST(NanoVdb, NodesFarFromTheOriginAreRead) {
-  const Box box{{4090, -4098, 100}, {4100, -4094, 104}};
+  const VoxelBox box{{4090, -4098, 100}, {4100, -4094, 104}};
   expect_cells(load_nanovdb(test::data_file("far_grid.nvdb"), "density"), box, box, 0);
 }
 
@@ -85,7 +85,7 @@ std::string without_compression(const std::string& zipped) {
 // boxes, masks, offsets.
 TEST(NanoVdb, DamagedFilesAreErrors) {
   const std::string good = read_text(test::data_file("far_grid.nvdb")), plain = without_compression(good);
-  const Box box{{4090, -4098, 100}, {4100, -4094, 104}};
+  const VoxelBox box{{4090, -4098, 100}, {4100, -4094, 104}};
   expect_cells(load_nanovdb(test::make_file("plain.nvdb", plain), "density"), box, box, 0);
   CounterRandom random(1, 0, 0);
   const auto load = [](const std::string& bytes) {

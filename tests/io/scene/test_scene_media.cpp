@@ -70,7 +70,7 @@ TEST(SceneMedia, TemperaturesAreNumbersOrGrids) {
   EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\nblackbody = 2"),
             "expected a \"temperature\" for the light of a black body");
   EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\ntemperature = -3"),
-            "expected a number above 0 and at most 100000, got -3");
+            "expected a number above 0, up to 100000 for \"temperature\", got -3");
   EXPECT_EQ(error_of_media(box + "temperature = \"" + grid_file({-1, 1800}, {2, 1, 1}) + "\""),
             "expected temperatures from 0 to 100000 K, got -1 in plane 0, row 0, column 0");
 }
@@ -104,7 +104,7 @@ TEST(SceneMedia, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\ndensity = \"a.npy\""),
             "expected a \"box\" for the cells of the density");
   const std::string box = "mean_free_path = \"1 mm\"\nbox = [\"1 1 -1 mm\", \"0 0 -3 mm\"]\ndensity = \"";
-  EXPECT_NE(error_of_media(box + "none.npy\"").find("a grid of densities"), std::string::npos);
+  EXPECT_NE(error_of_media(box + "none.npy\"").find("a grid of cells"), std::string::npos);
   EXPECT_EQ(error_of_media(box + grid_file({0, NAN}, {1, 1, 2}) + "\""),
             "expected finite densities of 0 or more, got nan in plane 0, row 0, column 1");
   EXPECT_EQ(error_of_media(box + grid_file({0, 1}, {1, 2}) + "\""),
