@@ -58,13 +58,13 @@ def _rows(array: np.ndarray[Any, Any], what: str, dtype: Any) -> np.ndarray[Any,
     return np.ascontiguousarray(array, dtype)
 
 
-def _density(values: Any) -> Dict[str, Any]:
-    """The densities of a medium, (planes, rows, columns), as an image of the planes below each other."""
-    array = array_of(values, "density")
+def _cells(key: str, values: Any) -> Dict[str, Any]:
+    """The cells of a medium, (planes, rows, columns), as an image of the planes below each other."""
+    array = array_of(values, key)
     if array.ndim != 3:
-        raise _core.Error(f"expected a density of the shape (planes, rows, columns), got {array.shape}")
+        raise _core.Error(f"expected a {key} of the shape (planes, rows, columns), got {array.shape}")
     planes, rows, columns = array.shape
-    return {"density": Image(array.reshape(planes * rows, columns).astype("float32")), "density_planes": planes}
+    return {key: Image(array.reshape(planes * rows, columns).astype("float32")), f"{key}_planes": planes}
 
 
 def _plain(value: Any) -> Any:
@@ -74,8 +74,9 @@ def _plain(value: Any) -> Any:
             value = _mesh(value)
         elif "type" in value and "points" in value and "unit" not in value and array_of(value["points"], "points").ndim == 2:
             value = _points(value)
-        if is_array(value.get("density")):
-            value = {**value, **_density(value["density"])}
+        for key in ("density", "temperature"):
+            if is_array(value.get(key)):
+                value = {**value, **_cells(key, value[key])}
         return {key: one if key == "arrays" else _plain(one) for key, one in value.items()}
     if isinstance(value, Noun):
         return value._core
@@ -108,8 +109,8 @@ class Scene(Noun):
 
     Lengths and angles are numbers in SI units, or texts with a unit. An array, or an Image, stands where a file names a
     picture. Objects may have arrays: ``vertices`` (n, 3) and ``faces`` (m, 3), with ``normals``, ``uv`` and ``colours``
-    for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``. The ``density`` of a medium may be an array
-    (planes, rows, columns) along z, y and x.
+    for each vertex; or ``points`` (n, 3), with ``amplitudes`` and ``phases``. The ``density`` and
+    ``temperature`` of a medium may be arrays (planes, rows, columns) along z, y and x.
 
     ``time``: the time at which keys over time are read, such as ``"position": {"0 s": (0, 0, -0.3), "1 s": (0.01, 0, -0.3)}``.
     ``shutter``: how long a shutter is open from then on, ``0.02``, ``"20 ms"``, or ``"180 deg"`` of the interval 1/fps of a film. Renders, focal

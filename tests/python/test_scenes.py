@@ -290,3 +290,14 @@ def test_densities_of_a_medium_may_be_an_array():
         ht.Scene(tables, media={"smoke": {"mean_free_path": "1 mm", "albedo": 0, "box": box, "density": np.ones((2, 3, 4))}})
     )
     assert abs(np.asarray(picture).mean() - np.exp(-2)) < 0.09
+
+
+def test_temperatures_of_a_medium_may_be_an_array():
+    box = ["-1 -1 -301 mm", "1 1 -299 mm"]
+    tables = {"wavelength": "532 nm", "render": {"rows": 4, "paths": 4, "field_of_view": "0.1 deg"}}
+    with pytest.raises(ht.Error, match="temperatures from 0 to 100000 K, got -1 in plane 0, row 0, column 0"):
+        ht.Scene(tables, media={"fire": {"mean_free_path": "1 mm", "box": box, "temperature": np.full((1, 1, 1), -1.0)}})
+    # So thick that nothing is seen through it: Planck's radiance of a nanometre at 532 nm, hc/(λkT) = 0.0143878/(532e-9·1800).
+    thick = {"mean_free_path": "0.02 mm", "albedo": 0, "box": box, "temperature": np.full((2, 3, 4), 1800.0)}
+    picture = ht.render(ht.Scene(tables, media={"fire": thick}))
+    assert np.asarray(picture) == pytest.approx(1.191043e-25 / 532e-9**5 / np.expm1(0.01438777 / (532e-9 * 1800)), rel=1e-4)

@@ -112,8 +112,7 @@ void set_density(Medium& medium, const Density& density) {
   for (int k = 0; k < cells; ++k)
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 5; ++i) grid(3 * k + j, i) = float(density((k + 0.5) / cells));
-  medium.density = std::make_shared<Image>(std::move(grid));
-  medium.planes = cells;
+  medium.density = {std::make_shared<Image>(std::move(grid)), cells};
 }
 
 // The part of the rays that fly through, and the share of shadow rays, of a slab whose density falls linearly along z. Between the

@@ -62,7 +62,9 @@ struct SurfaceColour {
       is_any = is_any || is_coloured(colour->value) || is_coloured(colour->texture.image);
     return is_any;
   }
-  bool operator()(const ScatteringMaterial& m) const { return is_coloured(m.albedo) || m.droplet_radius > 0; }
+  bool operator()(const ScatteringMaterial& m) const {
+    return is_coloured(m.albedo) || m.droplet_radius > 0 || m.blackbody > 0;
+  }
   bool operator()(const MeasuredMaterial&) const { return true; }
 };
 
@@ -84,7 +86,7 @@ bool has_colours(const Scene& scene) {
          any(scene.media, [](const Medium& medium) { return is_coloured(medium.extinction); }) ||
          any(scene.materials,
              [](const Material& m) {
-               return std::visit(SurfaceColour(), m.surface) || is_coloured(m.emission) ||
+               return std::visit(SurfaceColour(), m.surface) || is_coloured(m.emission) || m.emission_spectrum ||
                       is_coloured(m.emission_texture);
              }) ||
          any(scene.meshes,
@@ -92,7 +94,10 @@ bool has_colours(const Scene& scene) {
 }
 
 bool has_light(const Scene& scene) {
-  const auto emits = [](const Material& material) { return length(material.emission) > 0; };
+  const auto emits = [](const Material& material) {
+    const auto* particles = std::get_if<ScatteringMaterial>(&material.surface);
+    return length(material.emission) > 0 || (particles && particles->blackbody > 0);
+  };
   return !scene.lights.empty() || !scene.points.empty() || scene.environment || length(scene.background) > 0 ||
          std::any_of(scene.materials.begin(), scene.materials.end(), emits);
 }
@@ -175,7 +180,8 @@ void share_pictures(Scene& scene, const Scene& other) {
   }
   if (scene.environment && other.environment) share(scene.environment->map, other.environment->map);
   for (size_t i = 0; i < std::min(scene.media.size(), other.media.size()); ++i)
-    share(scene.media[i].density, other.media[i].density);
+    for (Cells Medium::*cells : {&Medium::density, &Medium::temperature})
+      share((scene.media[i].*cells).values, (other.media[i].*cells).values);
 }
 
 double bytes_of(const Scene& scene) {

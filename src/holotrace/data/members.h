@@ -244,15 +244,15 @@ void members(Archive& archive, PrincipledMaterial& part) {
 }
 template <class Archive>
 void members(Archive& archive, ScatteringMaterial& part) {
-  auto& [albedo, anisotropy, droplet_radius] = part;
-  archive(albedo, anisotropy, droplet_radius);
+  auto& [albedo, anisotropy, droplet_radius, blackbody] = part;
+  archive(albedo, anisotropy, droplet_radius, blackbody);
 }
 template <class Archive>
 void members(Archive& archive, Material& part) {
-  auto& [surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
-         two_sided, medium] = part;
-  archive(surface, emission, emission_texture, normal_map, normal_scale, opacity, opacity_texture, opacity_cutoff,
-          two_sided, medium);
+  auto& [surface, emission, emission_texture, emission_spectrum, normal_map, normal_scale, opacity, opacity_texture,
+         opacity_cutoff, two_sided, medium] = part;
+  archive(surface, emission, emission_texture, emission_spectrum, normal_map, normal_scale, opacity, opacity_texture,
+          opacity_cutoff, two_sided, medium);
 }
 template <class Archive>
 void members(Archive& archive, MediumBox& part) {
@@ -260,9 +260,14 @@ void members(Archive& archive, MediumBox& part) {
   archive(low, high);
 }
 template <class Archive>
+void members(Archive& archive, Cells& part) {
+  auto& [values, planes] = part;
+  archive(values, planes);
+}
+template <class Archive>
 void members(Archive& archive, Medium& part) {
-  auto& [name, extinction, material, is_open, box, density, planes] = part;
-  archive(name, extinction, material, is_open, box, density, planes);
+  auto& [name, extinction, material, is_open, box, density, temperature] = part;
+  archive(name, extinction, material, is_open, box, density, temperature);
 }
 template <class Archive>
 void members(Archive& archive, Mesh& part) {

@@ -125,6 +125,7 @@ struct ScatteringMaterial {
   Vec3 albedo{1, 1, 1};       ///< in red, green, blue, each in [0, 1]
   double anisotropy = 0;      ///< g of Henyey and Greenstein, the mean cosine of the angle of scattering, in (−1, 1)
   double droplet_radius = 0;  ///< above 0: of water droplets, which replace g [m]
+  double blackbody = 0;  ///< factor for the light of a black body of the medium's temperature (Medium::temperature)
 };
 
 /// A surface whose reflection was measured; its back is like its front.
@@ -137,8 +138,9 @@ struct Material {
   using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial,
                                PrincipledMaterial, MeasuredMaterial, ScatteringMaterial>;
   Surface surface;
-  Vec3 emission{0, 0, 0};                           ///< emitted radiance [W/m²/sr]
-  std::shared_ptr<const Image> emission_texture{};  ///< multiplies emission (linear light)
+  Vec3 emission{0, 0, 0};                               ///< emitted radiance [W/m²/sr]
+  std::shared_ptr<const Image> emission_texture{};      ///< multiplies emission (linear light)
+  std::shared_ptr<const Spectrum> emission_spectrum{};  ///< multiplies emission, if present
   std::shared_ptr<const Image> normal_map{};  ///< tangent space, as in glTF: red to +u, green to +v, [0, 1] for [−1, 1]
   double normal_scale = 1;                    ///< factor for the x and y of the map
   /// Part of the rays that the surface stops, in [0, 1]. Others go straight through it, as if it were not there: leaves and
@@ -162,6 +164,13 @@ struct MediumBox {
   Vec3 low, high;  ///< corners [m]
 };
 
+/// Values at the centres of equal cells of a box, linear between them.
+struct Cells {
+  /// One channel; a row along +x; the rows of a plane along +y, and the planes after each other along +z. None: no cells.
+  std::shared_ptr<const Image> values{};
+  int planes = 0;
+};
+
 /// Fog, smoke, milk: particles in a volume that absorb, scatter and emit light. A medium fills the closed meshes whose material
 /// names it, its box, or the whole of space.
 struct Medium {
@@ -170,10 +179,8 @@ struct Medium {
   int material = -1;     ///< index into Scene::materials: a ScatteringMaterial, with the emission of a particle
   bool is_open = false;  ///< whether it fills its box, or without a box the whole of space; else meshes
   std::optional<MediumBox> box{};
-  /// Factors for the extinction, 0 or more, at the centres of equal cells of the box; 1 without it. One channel; a row along +x;
-  /// the rows of a plane along +y, and the planes after each other along +z.
-  std::shared_ptr<const Image> density{};
-  int planes = 0;  ///< of the density
+  Cells density;      ///< factors for the extinction, 0 or more; 1 without them
+  Cells temperature;  ///< of black particles [K]; one cell: the same everywhere, also without a box
 };
 
 /// Triangles of one material.

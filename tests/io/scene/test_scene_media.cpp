@@ -55,6 +55,26 @@ TEST(SceneMedia, SubstancesFillTheObjectsThatNameThem) {
   EXPECT_EQ(scene.materials[1].medium, 0);
 }
 
+TEST(SceneMedia, TemperaturesAreNumbersOrGrids) {
+  const Scene even = load_job(scene_with("mean_free_path = \"1 mm\"\ntemperature = 1800")).scene;
+  ASSERT_TRUE(even.media[0].temperature.values);
+  EXPECT_EQ(even.media[0].temperature.values->values, std::vector<float>{1800});
+  EXPECT_EQ(std::get<ScatteringMaterial>(even.materials.at(size_t(even.media[0].material)).surface).blackbody, 1);
+  const std::string grid = grid_file({300, 1800}, {2, 1, 1}), box =
+                                                                  "mean_free_path = \"1 mm\"\n"
+                                                                  "box = [\"1 1 -1 mm\", \"0 0 -3 mm\"]\n";
+  const Scene cells = load_job(scene_with(box + "temperature = \"" + grid + "\"\nblackbody = 0.5")).scene;
+  EXPECT_EQ(cells.media[0].temperature.planes, 2);
+  EXPECT_EQ((*cells.media[0].temperature.values)(1, 0), 1800);
+  EXPECT_EQ(std::get<ScatteringMaterial>(cells.materials.at(size_t(cells.media[0].material)).surface).blackbody, 0.5);
+  EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\nblackbody = 2"),
+            "expected a \"temperature\" for the light of a black body");
+  EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\ntemperature = -3"),
+            "expected a number above 0, up to 100000 for \"temperature\", got -3");
+  EXPECT_EQ(error_of_media(box + "temperature = \"" + grid_file({-1, 1800}, {2, 1, 1}) + "\""),
+            "expected temperatures from 0 to 100000 K, got -1 in plane 0, row 0, column 0");
+}
+
 TEST(SceneMedia, GridsAreReadPlaneByPlane) {
   const std::string grid = grid_file({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, {2, 3, 2});
   const Scene scene = load_job(scene_with("mean_free_path = \"1 mm\"\nbox = [\"1 1 -1 mm\", \"0 0 -3 mm\"]\n"
@@ -62,8 +82,8 @@ TEST(SceneMedia, GridsAreReadPlaneByPlane) {
                                           grid + "\""))
                           .scene;
   const Medium& medium = scene.media[0];
-  EXPECT_EQ(medium.planes, 2);
-  EXPECT_EQ((*medium.density)(3 * 1 + 2, 1), 11.0F);
+  EXPECT_EQ(medium.density.planes, 2);
+  EXPECT_EQ((*medium.density.values)(3 * 1 + 2, 1), 11.0F);
   EXPECT_EQ(medium.box->low.z, -3e-3);
   EXPECT_EQ(medium.box->high.x, 1e-3);
 }
@@ -84,7 +104,7 @@ TEST(SceneMedia, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\ndensity = \"a.npy\""),
             "expected a \"box\" for the cells of the density");
   const std::string box = "mean_free_path = \"1 mm\"\nbox = [\"1 1 -1 mm\", \"0 0 -3 mm\"]\ndensity = \"";
-  EXPECT_NE(error_of_media(box + "none.npy\"").find("a grid of densities"), std::string::npos);
+  EXPECT_NE(error_of_media(box + "none.npy\"").find("a grid of cells"), std::string::npos);
   EXPECT_EQ(error_of_media(box + grid_file({0, NAN}, {1, 1, 2}) + "\""),
             "expected finite densities of 0 or more, got nan in plane 0, row 0, column 1");
   EXPECT_EQ(error_of_media(box + grid_file({0, 1}, {1, 2}) + "\""),

@@ -207,17 +207,22 @@ TEST(Principled, NoLayerMakesMoreLightThanItReceives) {
     }
 }
 
-TEST(Principled, ABrushedWhiteMetalKeepsMostLight) {
-  // Multiple scattering is that of an isotropic surface that loses less. Single scattering alone keeps 0.5 at strength 1.
-  for (double strength : {0.3, 0.7, 1.0})
-    for (double angle : {0.0, 45.0, 75.0}) {
-      PrincipledMaterial metal = white(0.3);
-      metal.metalness.value = 1;
-      metal.anisotropy.value = strength;
-      const Vec3 seen = seen_in_furnace(make_bsdf(metal, flat_point(), Lines{}), view_direction_at(angle));
-      EXPECT_LT(seen.x, 1.02) << "strength " << strength << " at " << angle;
-      EXPECT_GT(seen.x, strength < 0.5 ? 0.97 : 0.75) << "strength " << strength << " at " << angle;
-    }
+// Directions that are no nodes of the table of losses, along the grooves, across them and between. Single scattering alone keeps half at
+// strength 1. The bounds leave 1 % for 2¹⁴ points, and 0.2 % for too
+// much light.
+TEST(Principled, ABrushedWhiteMetalKeepsAllLight) {
+  for (double roughness : {0.1, 0.3, 0.8})
+    for (double strength : {0.3, 1.0})
+      for (double angle : {5.0, 47.0, 76.0, 87.0})
+        for (double turn : {0.0, 0.9, 1.5}) {
+          PrincipledMaterial metal = white(roughness);
+          metal.metalness.value = 1;
+          metal.anisotropy.value = strength;
+          metal.anisotropy_rotation = turn;
+          const Vec3 seen = seen_in_furnace(make_bsdf(metal, flat_point(), Lines{}), view_direction_at(angle));
+          EXPECT_LT(seen.x, 1.002) << roughness << " strength " << strength << " at " << angle << " turned by " << turn;
+          EXPECT_GT(seen.x, 0.99) << roughness << " strength " << strength << " at " << angle << " turned by " << turn;
+        }
 }
 
 TEST(Principled, MicrofacetsOfABrushedSurfaceCoverItsArea) {
@@ -246,12 +251,12 @@ TEST(Principled, GroovesSpreadHighlightsAlongTheTangent) {
     metal.anisotropy_rotation = rotation;
     return eval_bsdf(make_bsdf(metal, flat_point(is_front), Lines{}), {0, 0, 1}, normalize(direction), Lobe::glossy).x;
   };
-  // D falls from 8 to 0.003; the light of many microfacets adds 0.08 to all.
+  // D falls from 8 to 0.003; the light of many microfacets adds 0.14 to all, to a value of 1.9.
   const double along = off({0.6, 0, 1}, 0), across = off({0, 0.6, 1}, 0);
-  EXPECT_GT(along, 20 * across);
+  EXPECT_GT(along, 10 * across);
   EXPECT_NEAR(off({0, 0.6, 1}, pi / 2), along, 1e-9 * along);  // turned by 90° from u toward v
-  EXPECT_GT(off({0.6, 0.6, 1}, pi / 4), 20 * off({0.6, -0.6, 1}, pi / 4));
-  EXPECT_GT(off({0.6, -0.6, 1}, pi / 4, false), 20 * off({0.6, 0.6, 1}, pi / 4, false));  // seen from behind
+  EXPECT_GT(off({0.6, 0.6, 1}, pi / 4), 10 * off({0.6, -0.6, 1}, pi / 4));
+  EXPECT_GT(off({0.6, -0.6, 1}, pi / 4, false), 10 * off({0.6, 0.6, 1}, pi / 4, false));  // seen from behind
 }
 
 /// Reflection amplitude of a film by its characteristic matrix (Born & Wolf 1.6.2), of one polarisation; the wave's
@@ -351,21 +356,6 @@ TEST(Principled, SpecularWeightAndIndexSetTheHeadOnReflectance) {
   EXPECT_NEAR(mirror.ways[0].weight.x, 0.5 / 9, 1e-12);
   EXPECT_NEAR(mirror.ways[0].weight.y, 0.25 / 9, 1e-12);
   EXPECT_NEAR(mirror.ways[0].weight.z, 0, 1e-12);
-}
-
-TEST(Principled, ASolidAbsorbsByItsColourAtItsDistance) {
-  PrincipledMaterial glass = white(0);
-  glass.transmission.value = 1;
-  glass.attenuation_color = {0.5, 0.25, 1};
-  glass.attenuation_distance = 10e-3;
-  const SurfacePoint back = flat_point(false);
-  const Vec3 left = transmitted_inside(glass, back, 20e-3, Lines{});
-  EXPECT_NEAR(left.x, 0.25, 1e-12);  // σ = ln 2/10 mm
-  EXPECT_NEAR(left.y, 0.0625, 1e-12);
-  EXPECT_NEAR(left.z, 1, 1e-12);
-  EXPECT_EQ(transmitted_inside(glass, flat_point(), 20e-3, Lines{}), (Vec3{1, 1, 1}));
-  glass.is_thin = true;
-  EXPECT_EQ(transmitted_inside(glass, back, 20e-3, Lines{}), (Vec3{1, 1, 1}));
 }
 
 }  // namespace

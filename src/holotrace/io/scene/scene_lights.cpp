@@ -69,31 +69,6 @@ Spectrum read_led(TomlTable& table) {
   return spectrum;
 }
 
-// The spectrum of a lamp: "D65", "3200 K", a table of lines, or the curve of an LED; none if its light is even.
-std::shared_ptr<const Spectrum> read_spectrum(TomlTable& table) {
-  const toml::node* node = table.find("spectrum");
-  if (!node) return nullptr;
-  if (node->is_table()) {
-    auto led = *table.table("spectrum");
-    return std::make_shared<Spectrum>(read_led(led));
-  }
-  std::string name;
-  table.text("spectrum", name);
-  Spectrum spectrum;
-  table.locate("spectrum", [&] {
-    double kelvin = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), kelvin);
-    const std::string unit(static_cast<const char*>(end), size_t(name.data() + name.size() - end));
-    if (error == std::errc() && (unit == " K" || unit == "K"))
-      spectrum = blackbody_spectrum(kelvin);
-    else if (name.find('.') != std::string::npos)
-      spectrum = load_spectrum(table.beside("spectrum", name));
-    else
-      spectrum = illuminant_spectrum(name);
-  });
-  return std::make_shared<Spectrum>(std::move(spectrum));
-}
-
 Vec3 read_place(TomlTable& table, const char* key) {
   Vec3 value;
   table.require_key(key);
@@ -214,12 +189,36 @@ Sky read_sky(TomlTable& table) {
 
 }  // namespace
 
+std::shared_ptr<const Spectrum> read_spectrum(TomlTable& table, const char* key) {
+  const toml::node* node = table.find(key);
+  if (!node) return nullptr;
+  if (node->is_table()) {
+    auto led = *table.table(key);
+    return std::make_shared<Spectrum>(read_led(led));
+  }
+  std::string name;
+  table.text(key, name);
+  Spectrum spectrum;
+  table.locate(key, [&] {
+    double kelvin = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), kelvin);
+    const std::string unit(static_cast<const char*>(end), size_t(name.data() + name.size() - end));
+    if (error == std::errc() && (unit == " K" || unit == "K"))
+      spectrum = blackbody_spectrum(kelvin);
+    else if (name.find('.') != std::string::npos)
+      spectrum = load_spectrum(table.beside(key, name));
+    else
+      spectrum = illuminant_spectrum(name);
+  });
+  return std::make_shared<Spectrum>(std::move(spectrum));
+}
+
 Light read_light(TomlTable table) {
   table.require_key("type");
   std::string type;
   table.text("type", type);
   Light light = read_type(table, type);
-  if (auto spectrum = read_spectrum(table)) {
+  if (auto spectrum = read_spectrum(table, "spectrum")) {
     require(type.substr(0, 5) != "laser",
             "{}expected a lamp without a \"spectrum\", got a laser, whose light has one wavelength",
             table.where("spectrum"));

@@ -11,6 +11,7 @@
 #include "holotrace/io/files/text.h"
 #include "holotrace/io/scene/measured_file.h"
 #include "holotrace/io/scene/scene_images.h"
+#include "holotrace/io/scene/scene_lights.h"
 #include "holotrace/io/scene/toml_table.h"
 
 namespace holotrace {
@@ -340,6 +341,7 @@ Material read_material(TomlTable table, const std::map<std::string, int>& media)
   material.emission_texture = read_texture(table, "emission_texture");
   if (material.emission_texture) material.emission = {1, 1, 1};  // the texture alone, unless the file has an emission
   table.colour("emission", material.emission, std::numeric_limits<double>::infinity());
+  material.emission_spectrum = read_spectrum(table, "emission_spectrum");
   material.normal_map = read_texture(table, "normal_map", ImageContent::data);
   table.number("normal_scale", material.normal_scale, range::not_negative);
   table.number("opacity", material.opacity, range::fraction);

@@ -1,21 +1,16 @@
 #include "holotrace/io/scene/scene_media.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "holotrace/base/error.h"
-#include "holotrace/base/machine.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/named_medium.h"
-#include "holotrace/io/files/file.h"
-#include "holotrace/io/files/file_kind.h"
-#include "holotrace/io/files/npy.h"
+#include "holotrace/io/scene/cells_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/toml_table.h"
 
@@ -24,53 +19,46 @@ namespace {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
-// A grid of float32 or float64, of the shape (planes, rows, columns).
-void read_density(const std::string& path, Medium& medium) {
-  check_file_exists(path, "a grid of densities");
-  require(extension_of(path) == ".npy", "{}: expected a grid of densities .npy, got {}", path, kind_of_file(path));
-  const std::string bytes = read_text(path);
-  const NpyHeader header = read_npy_header(bytes, path);
-  const bool is_single = header.dtype == "<f4";
-  require(is_single || header.dtype == "<f8",
-          "{}: expected float32 or float64 ('<f4' or '<f8'), got '{}'; convert it with numpy.astype", path,
-          header.dtype);
-  require(!header.fortran_order, "{}: expected an array in C order; write it with numpy.ascontiguousarray", path);
-  constexpr int64_t most = 1 << 15;
-  require(header.shape.size() == 3 &&
-              std::all_of(header.shape.begin(), header.shape.end(), [](int64_t n) { return n > 0 && n <= most; }) &&
-              header.shape[0] * header.shape[1] <= std::numeric_limits<int>::max(),
-          "{}: expected the shape (planes, rows, columns), each from 1 to {}, got {}", path, most,
-          format_shape(header.shape));
-  const auto [planes, rows, columns] = std::array{header.shape[0], header.shape[1], header.shape[2]};
-  const size_t count = size_t(planes * rows) * size_t(columns), sample = is_single ? 4 : 8;
-  require(bytes.size() - header.data_begin == count * sample,
-          "{}: expected {} bytes of samples for shape {}, got {}; the file is truncated or damaged, write it again",
-          path, count * sample, format_shape(header.shape), bytes.size() - header.data_begin);
-  require_memory(double(bytes.size()) + double(count) * sizeof(float), path);
-  Image grid(int(planes * rows), int(columns), 1);
-  for (size_t i = 0; i < count; ++i) {
-    const char* from = bytes.data() + header.data_begin + i * sample;
-    double value = 0;
-    if (is_single) {
-      float single;
-      std::memcpy(&single, from, sizeof single);
-      value = double(single);
-    } else {
-      std::memcpy(&value, from, sizeof value);
-    }
-    grid.values[i] = float(value);
+// The cells of a key: a file, or an array of Python. No value is above `most`, of which `range` tells.
+Cells read_cells(TomlTable& table, const char* key, const Medium& medium, const char* range, float most) {
+  Cells cells;
+  if (!table.has(key)) return cells;
+  require(medium.box.has_value(), "{}expected a \"box\" for the cells of the {}", table.where(key), key);
+  if (const auto index = table.array_index(key)) {
+    cells.values = std::make_shared<Image>(table.arrays()->images.at(*index));
+    table.count((std::string(key) + "_planes").c_str(), cells.planes, range::at_least(1));
+  } else {
+    std::string file;
+    table.text(key, file);
+    table.locate(key, [&] { cells = load_cells(table.beside(key, file), key); });
   }
-  medium.density = std::make_shared<Image>(std::move(grid));
-  medium.planes = int(planes);
+  const Image& grid = *cells.values;
+  const int rows = grid.ny / cells.planes;
+  for (size_t i = 0; i < grid.values.size(); ++i)
+    require(grid.values[i] >= 0 && grid.values[i] <= most, "{}expected {}, got {} in plane {}, row {}, column {}",
+            table.where(key), range, grid.values[i], int(i) / grid.nx / rows, int(i) / grid.nx % rows,
+            int(i) % grid.nx);
+  return cells;
 }
 
-void check_cells(const Medium& medium) {
-  const Image& grid = *medium.density;
-  const int rows = grid.ny / medium.planes;
-  for (size_t i = 0; i < grid.values.size(); ++i)
-    require(grid.values[i] >= 0 && std::isfinite(grid.values[i]),
-            "expected finite densities of 0 or more, got {} in plane {}, row {}, column {}", grid.values[i],
-            int(i) / grid.nx / rows, int(i) / grid.nx % rows, int(i) % grid.nx);
+// The temperature of all particles [K], or a grid.
+void read_temperature(TomlTable& table, Medium& medium, ScatteringMaterial& particles) {
+  constexpr float hottest = 1e5F;
+  const toml::node* node = table.find("temperature");
+  require(node || !table.has("blackbody"), "{}expected a \"temperature\" for the light of a black body",
+          table.where("blackbody"));
+  if (!node) return;
+  if (node->is_number()) {
+    double kelvin = 0;
+    table.number("temperature", kelvin, range::above_to(0, double(hottest)));
+    Image even(1, 1, 1);
+    even.values[0] = float(kelvin);
+    medium.temperature = {std::make_shared<Image>(std::move(even)), 1};
+  } else {
+    medium.temperature = read_cells(table, "temperature", medium, "temperatures from 0 to 100000 K", hottest);
+  }
+  particles.blackbody = 1;
+  table.number("blackbody", particles.blackbody, range::not_negative);
 }
 
 // Extinction and albedo.
@@ -120,18 +108,9 @@ Medium read_medium(TomlTable table, const std::string& name, Scene& scene) {
     medium.box = {{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
                   {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}};
   }
-  if (table.has("density")) {
-    require(medium.box.has_value(), "{}expected a \"box\" for the cells of the density", table.where("density"));
-    if (const auto index = table.array_index("density")) {
-      medium.density = std::make_shared<Image>(table.arrays()->images.at(*index));
-      table.count("density_planes", medium.planes, range::at_least(1));
-    } else {
-      std::string file;
-      table.text("density", file);
-      table.locate("density", [&] { read_density(table.beside("density", file), medium); });
-    }
-    table.locate("density", [&] { check_cells(medium); });
-  }
+  medium.density =
+      read_cells(table, "density", medium, "finite densities of 0 or more", std::numeric_limits<float>::max());
+  read_temperature(table, medium, particles);
   table.refuse_unknown_keys();
   Material material(particles, emission * (Vec3{1, 1, 1} - particles.albedo));
   medium.material = int(scene.materials.size());

@@ -20,6 +20,9 @@ namespace holotrace {
 ///     box = ["-1 -1 -9 mm", "1 1 -7 mm"]   two corners of what it fills
 ///     density = "smoke.npy"         factors for the number of particles in the cells of the box, (planes, rows, columns)
 ///
+///     temperature = "fire.npy"      of black particles [K], in cells as those of the density; or one number
+///     blackbody = 1                 factor for their light: that of a nanometre of a black body's spectrum
+///
 /// A medium with an albedo of 1 emits nothing.
 /// @return  the index into Scene::media of each name
 /// @throws Error with file:line:column for values out of range, and for grids that cannot be read

@@ -412,6 +412,8 @@ bool Accelerator::closest_hit(const Ray& ray, Hit& hit, Aim aim, Veils veils) co
   return media_->stop(ray, closest_surface(ray, hit, aim, veils), hit);
 }
 
+double Accelerator::reach_of_particles() const { return media_ ? media_->reach_of_particles(precision_) : 0; }
+
 std::optional<Hit> Accelerator::particle_before(const Ray& ray, double distance) const {
   return media_ ? media_->particle_before(ray, distance) : std::nullopt;
 }

@@ -86,7 +86,11 @@ class Accelerator {
   /// its weight, which in a scene with media is that of light from beyond.
   bool closest_hit(const Ray& ray, Hit& hit, Aim aim = Aim::exact, Veils veils = {}) const;
 
+  /// Whether media or absorbing solids dim light on its way.
   bool has_media() const { return media_ != nullptr; }
+
+  /// Largest distance of particles of media from the centre of the scene [m], infinite in a medium that fills space; 0 without any.
+  double reach_of_particles() const;
 
   /// A particle of the scene's media before a distance on the ray, if there is one (Media::particle_before).
   std::optional<Hit> particle_before(const Ray& ray, double distance) const;

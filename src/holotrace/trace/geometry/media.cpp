@@ -10,6 +10,7 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/cie.h"
 
 namespace holotrace {
 
@@ -87,22 +88,63 @@ size_t open_edges(const Mesh& mesh) {
   return size_t(std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 0; }));
 }
 
-/// Whether a mesh bounds a solid that light enters.
+/// The layers around a solid that light enters, if a mesh bounds one.
+const PrincipledMaterial* layers_of_solid(const Material& material) {
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  return layers && layers->transmission.value > 0 && !layers->is_thin ? layers : nullptr;
+}
+
 bool is_solid(const Material& material) {
   if (const auto* glass = std::get_if<DielectricMaterial>(&material.surface)) return !glass->is_thin;
-  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
-  return layers && layers->transmission.value > 0 && !layers->is_thin;
+  return layers_of_solid(material) != nullptr;
+}
+
+/// Whether the solid of a mesh absorbs by itself. A medium in it takes the place of that.
+bool absorbs(const Material& material) {
+  const PrincipledMaterial* layers = layers_of_solid(material);
+  return layers && material.medium < 0 && std::isfinite(layers->attenuation_distance) &&
+         !(layers->attenuation_color == Vec3{1, 1, 1});
+}
+
+/// The absorption σ of such a solid [1/m]: the colour after a distance d is exp(−σ·d).
+Vec3 absorption_of(const PrincipledMaterial& solid, const Lines& lines) {
+  const Vec3 colour = lines.reflectance_of(solid.attenuation_color);
+  const auto of = [&](double share) {
+    return -std::log(std::clamp(share, std::numeric_limits<double>::min(), 1.0)) / solid.attenuation_distance;
+  };
+  return {of(colour.x), of(colour.y), of(colour.z)};
+}
+
+/// Whether light that meets a particle of a medium is lost.
+bool only_absorbs(const Scene& scene, const Medium& medium) {
+  const Material& particle = scene.materials[size_t(medium.material)];
+  const auto* scattering = std::get_if<ScatteringMaterial>(&particle.surface);
+  return scattering && scattering->albedo == Vec3{} && scattering->blackbody == 0 && particle.emission == Vec3{};
+}
+
+void check_cells(const Medium& medium, const Cells& cells, const char* what, const char* range, float most) {
+  if (!cells.values) return;
+  const Image& grid = *cells.values;
+  require(
+      grid.channels == 1 && grid.nx > 0 && cells.planes > 0 && grid.ny >= cells.planes && grid.ny % cells.planes == 0,
+      "expected a {} of at least 1 × 1 × 1 cells of the medium \"{}\"", what, medium.name);
+  require(medium.box.has_value() || (grid.nx == 1 && grid.ny == 1),
+          "expected a box for the {} of the medium \"{}\", got none", what, medium.name);
+  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
+                                    [&](float value) { return value >= 0 && value <= most; });
+  require(bad == grid.values.end(), "expected finite {} of the medium \"{}\", got {}", range, medium.name,
+          bad == grid.values.end() ? 0 : *bad);
 }
 
 }  // namespace
 
-/// The density in a box, interpolated linearly between the centres of cells, and its majorants.
+/// Values in a box, interpolated linearly between the centres of cells, and its majorants.
 class Media::Grid {
  public:
-  explicit Grid(const Medium& medium)
-      : box_(*medium.box),
-        values_(*medium.density),
-        size_{values_.nx, values_.ny / medium.planes, medium.planes},
+  Grid(const std::optional<MediumBox>& box, const Cells& cells)
+      : box_(box.value_or(MediumBox{{-1, -1, -1}, {1, 1, 1}})),  // of one cell; none matters
+        values_(*cells.values),
+        size_{values_.nx, values_.ny / cells.planes, cells.planes},
         blocks_{blocks(size_[0]), blocks(size_[1]), blocks(size_[2])} {
     majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
     for (int k = 0; k < blocks_[2]; ++k)
@@ -110,7 +152,7 @@ class Media::Grid {
         for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
   }
 
-  double density(Vec3 place) const {
+  double at(Vec3 place) const {
     const Vec3 p = in_cells(place) - Vec3{0.5, 0.5, 0.5};
     const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
     double sum = 0;
@@ -186,11 +228,14 @@ class Media::Grid {
   std::vector<float> majorants_;
 };
 
-Media::Media(const Scene& scene, const Lines& lines) {
+Media::Media(const Scene& scene, const Lines& lines) : lines_(lines) {
   for (const Medium& medium : scene.media) {
-    const Grid* grid = nullptr;
-    if (medium.density) grid = grids_.emplace_back(std::make_unique<Grid>(medium)).get();
-    kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid});
+    const auto grid_of = [&](const Cells& cells) {
+      return cells.values ? grids_.emplace_back(std::make_unique<Grid>(medium.box, cells)).get() : nullptr;
+    };
+    const Grid* grid = grid_of(medium.density);
+    kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid, only_absorbs(scene, medium),
+                      grid_of(medium.temperature)});
     if (!medium.is_open) continue;
     const int index = int(kinds_.size()) - 1;
     if (!medium.box) {
@@ -224,7 +269,8 @@ Media::Media(const Scene& scene, const Lines& lines) {
               "move it behind the panel",
               mesh.name, name, format_length(back->z), format_length(front->z));
     }
-    of_mesh_.push_back(material.medium);
+    of_mesh_.push_back(absorbs(material) ? int(kinds_.size()) : material.medium);
+    if (absorbs(material)) kinds_.push_back({absorption_of(*layers_of_solid(material), lines), -1, nullptr, true});
     Mesh& copy = bounding_.meshes.emplace_back();
     copy.positions = mesh.positions;
     copy.triangles = mesh.triangles;
@@ -296,7 +342,8 @@ void Media::find_segments(const Ray& ray, double end, Segments& segments) const 
       --depth;
     }
   }
-  add(from, unending, medium_here());
+  // Nothing bounds what is beyond, not even a mesh with a hole that the ray has entered.
+  add(from, unending, everywhere_);
 }
 
 /// Calls visit(distance, σ/μ) for each tentative particle of a grid on a segment, until it returns true.
@@ -308,9 +355,21 @@ bool Media::visit_tentative(const Ray& ray, const Segment& segment, uint64_t& ra
   return kind.grid->visit_blocks(ray, segment.from, segment.to, [&](double from, double to, double majorant) {
     const double mu = most * majorant;
     for (double t = from - std::log1p(-draw(random)) / mu; t < to; t -= std::log1p(-draw(random)) / mu)
-      if (visit(t, kind.extinction * (kind.grid->density(ray.origin + ray.direction * t) / mu))) return true;
+      if (visit(t, kind.extinction * (kind.grid->at(ray.origin + ray.direction * t) / mu))) return true;
     return false;
   });
+}
+
+/// The share of light that passes a segment: exp(−σ·t), or an estimate of it in a grid.
+Vec3 Media::passed_on(const Ray& ray, const Segment& segment, uint64_t& random) const {
+  const Kind& kind = kinds_[size_t(segment.medium)];
+  if (!kind.grid) return passed(kind.extinction, segment.to - segment.from);
+  Vec3 share{1, 1, 1};
+  visit_tentative(ray, segment, random, [&](double, Vec3 part) {
+    share *= Vec3{1, 1, 1} - part;
+    return !(max_component(share) > 0);
+  });
+  return share;
 }
 
 /// The flight of a ray to a particle before `end`; `surely`: among the flights that end at one, if no medium is a grid.
@@ -322,25 +381,33 @@ Media::Flight Media::fly(const Ray& ray, double end, bool surely) const {
   const auto last = segments.list.begin() + ptrdiff_t(segments.count);
   uint64_t random = numbers_of(ray, surely ? Purpose::sure_flight : Purpose::flight);
   const int line = std::min(2, int(3 * draw(random)));
-  const auto has_grid = [&](const Segment& s) { return kinds_[size_t(s.medium)].grid != nullptr; };
+  const auto has_grid = [&](const Segment& s) {
+    const Kind& kind = kinds_[size_t(s.medium)];
+    return kind.grid && !kind.only_absorbs;
+  };
   Vec3 stopped{1, 1, 1};  // part of the flights that end at a particle, if it surely does
   surely = surely && std::none_of(segments.list.begin(), last, has_grid);
   if (surely) {
     Vec3 all{1, 1, 1};
     for (auto s = segments.list.begin(); s != last; ++s)
-      all *= passed(kinds_[size_t(s->medium)].extinction, s->to - s->from);
+      if (!kinds_[size_t(s->medium)].only_absorbs) all *= passed(kinds_[size_t(s->medium)].extinction, s->to - s->from);
     stopped = stopped - all;
     if (!(at(stopped, line) > 0)) return flight;
   }
   // What is left of the optical thickness to the particle, at the line that was drawn.
   double left = -std::log1p(-draw(random) * at(stopped, line));
   Vec3 density{1, 1, 1};  // of the flight at the lines, up to a common factor
+  Vec3 share{1, 1, 1};    // that passes where there are no particles
   for (auto s = segments.list.begin(); s != last && flight.medium < 0; ++s) {
     const Kind& kind = kinds_[size_t(s->medium)];
+    if (kind.only_absorbs) {
+      share *= passed_on(ray, *s, random);
+      continue;
+    }
     if (kind.grid) {
-      visit_tentative(ray, *s, random, [&](double distance, Vec3 share) {
-        const bool is_real = draw(random) < at(share, line);
-        density *= is_real ? share : Vec3{1, 1, 1} - share;
+      visit_tentative(ray, *s, random, [&](double distance, Vec3 part) {
+        const bool is_real = draw(random) < at(part, line);
+        density *= is_real ? part : Vec3{1, 1, 1} - part;
         if (is_real) flight.distance = distance, flight.medium = s->medium;
         return is_real;
       });
@@ -365,7 +432,7 @@ Media::Flight Media::fly(const Ray& ray, double end, bool surely) const {
     return Vec3{b.x > 0 ? a.x / b.x : 0, b.y > 0 ? a.y / b.y : 0, b.z > 0 ? a.z / b.z : 0};
   };
   const double drawn = mean(surely ? over(density, stopped) : density);
-  flight.weight = drawn > 0 ? density / drawn : Vec3{};
+  flight.weight = drawn > 0 ? share * (density / drawn) : Vec3{};
   return flight;
 }
 
@@ -375,7 +442,16 @@ Hit Media::particle(const Ray& ray, const Flight& flight) const {
   hit.weight = flight.weight;
   hit.point.position = ray.origin + ray.direction * flight.distance;
   hit.point.geometric_normal = hit.point.normal = -ray.direction;
-  hit.point.material = kinds_[size_t(flight.medium)].material;
+  const Kind& kind = kinds_[size_t(flight.medium)];
+  hit.point.material = kind.material;
+  if (kind.temperature) {
+    constexpr double nanometre = 1e-9;
+    const double temperature = kind.temperature->at(hit.point.position);
+    const auto light = [&](size_t line) {
+      return temperature > 0 ? planck(lines_.wavelengths[line], temperature) * nanometre : 0;
+    };
+    hit.point.colour = {light(0), light(1), light(2)};
+  }
   hit.point.mesh = SurfacePoint::no_mesh;
   return hit;
 }
@@ -399,22 +475,30 @@ Vec3 Media::transmittance(const Ray& ray, double distance) const {
   find_segments(ray, distance, segments);
   Vec3 share{1, 1, 1};
   uint64_t random = numbers_of(ray, Purpose::transmittance);
-  for (size_t n = 0; n < segments.count; ++n) {
-    const Segment& s = segments.list[n];
-    const Kind& kind = kinds_[size_t(s.medium)];
-    if (kind.grid)
-      visit_tentative(ray, s, random, [&](double, Vec3 part) {
-        share *= Vec3{1, 1, 1} - part;
-        return !(max_component(share) > 0);
-      });
-    else
-      share *= passed(kind.extinction, s.to - s.from);
-  }
+  for (size_t n = 0; n < segments.count; ++n) share *= passed_on(ray, segments.list[n], random);
   return share;
 }
 
+double Media::reach_of_particles(const ScenePrecision& scene) const {
+  const auto has_particles = [&](int medium) { return medium >= 0 && !kinds_[size_t(medium)].only_absorbs; };
+  if (has_particles(everywhere_)) return unending;
+  double reach = std::any_of(of_mesh_.begin(), of_mesh_.end(), has_particles) ? scene.radius : 0;
+  for (const auto& [medium, box] : boxes_) {
+    const auto across = [](double low, double high, double centre) {
+      return std::max(std::abs(low - centre), std::abs(high - centre));
+    };
+    const Vec3 farthest{across(box.low.x, box.high.x, scene.centre.x), across(box.low.y, box.high.y, scene.centre.y),
+                        across(box.low.z, box.high.z, scene.centre.z)};
+    if (has_particles(medium)) reach = std::max(reach, length(farthest));
+  }
+  return reach;
+}
+
 std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines) {
-  return scene.media.empty() ? nullptr : std::make_unique<const Media>(scene, lines);
+  const bool has_any =
+      !scene.media.empty() || std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                                          [&](const Mesh& m) { return absorbs(scene.materials[size_t(m.material)]); });
+  return has_any ? std::make_unique<const Media>(scene, lines) : nullptr;
 }
 
 void check_medium(const Medium& medium) {
@@ -429,16 +513,9 @@ void check_medium(const Medium& medium) {
             "without volume",
             medium.name);
   }
-  if (!medium.density) return;
-  const Image& grid = *medium.density;
-  require(medium.box.has_value(), "expected a box for the density of the medium \"{}\", got none", medium.name);
-  require(grid.channels == 1 && grid.nx > 0 && medium.planes > 0 && grid.ny >= medium.planes &&
-              grid.ny % medium.planes == 0,
-          "expected a density of at least 1 × 1 × 1 cells of the medium \"{}\"", medium.name);
-  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
-                                    [](float value) { return value >= 0 && std::isfinite(value); });
-  require(bad == grid.values.end(), "expected finite densities of 0 or more of the medium \"{}\", got {}", medium.name,
-          bad == grid.values.end() ? 0 : *bad);
+  check_cells(medium, medium.density, "density", "densities of 0 or more", std::numeric_limits<float>::max());
+  constexpr float hottest = 1e5F;
+  check_cells(medium, medium.temperature, "temperature", "temperatures from 0 to 100000 K", hottest);
 }
 
 }  // namespace holotrace

@@ -16,8 +16,10 @@ namespace holotrace {
 /// The media of a scene: where a ray is in which of them, where a particle stops it, and how much light passes.
 ///
 /// **Where.** Closed meshes whose material has a medium, boxes, and one medium for the rest of space. Inside several of them, the
-/// one that the ray entered last counts. Solids of glass without a medium are empty. Nothing is remembered along a path: all
-/// boundaries on the whole line tell where it began.
+/// one that the ray entered last counts. Solids without a medium absorb by their attenuation (PrincipledMaterial), or are empty.
+/// Nothing is remembered along a path: all boundaries on the whole line tell where it began.
+///
+/// **Absorption alone.** A medium that neither scatters nor emits has no particles: light is dimmed by its transmittance.
 ///
 /// **Free flight.** A ray meets a particle at the distance t with the density σ(t)·T(t), T = exp(−∫σ dt). Colours may have
 /// different σ. The distance is then drawn by one of the three lines, chosen at random, and the light is weighted by the mean of
@@ -31,6 +33,9 @@ namespace holotrace {
 ///
 /// **Transmittance** is exp(−σ·t) in even media, and by ratio tracking in grids: T is the product of 1 − σ/μ over tentative
 /// particles (J. Novák, A. Selle, W. Jarosz, SIGGRAPH Asia 2014), whose mean is exact.
+///
+/// **Fire.** Particles of a medium with temperatures emit as black particles: σ_a·B(λ, T) per length, with Planck's B of a nanometre of
+/// the spectrum. A thick flame has the radiance of a black body, one of the thickness τ the share 1 − exp(−τ) of it.
 ///
 /// Random numbers are a hash of the ray: the same ray always meets the same particle, so particles stand still. Calls may run on
 /// several threads at once. Keeps a reference to the scene.
@@ -57,12 +62,17 @@ class Media {
   /// Largest z of a box [m]; 0 if all are behind the panel.
   double front() const { return front_; }
 
+  /// Accelerator::reach_of_particles.
+  double reach_of_particles(const ScenePrecision& scene) const;
+
  private:
   class Grid;
   struct Kind {
-    Vec3 extinction;  // at the lines [1/m]
-    int material;
-    const Grid* grid;  // nullptr: even
+    Vec3 extinction;    // at the lines [1/m]
+    int material;       // of the particles
+    const Grid* grid;   // of densities; nullptr: even
+    bool only_absorbs;  // has no particles
+    const Grid* temperature = nullptr;
   };
   struct Region {
     int medium;  // −1: empty
@@ -88,18 +98,20 @@ class Media {
   Hit particle(const Ray& ray, const Flight& flight) const;
   template <class Visit>
   bool visit_tentative(const Ray& ray, const Segment& segment, uint64_t& random, const Visit& visit) const;
+  Vec3 passed_on(const Ray& ray, const Segment& segment, uint64_t& random) const;
 
-  std::vector<Kind> kinds_;                   // of each medium
-  std::vector<std::unique_ptr<Grid>> grids_;  // of those that have one
-  std::vector<int> of_mesh_;                  // medium of each mesh of boundaries_
-  Scene bounding_;                            // the meshes that bound media
-  std::unique_ptr<Accelerator> boundaries_;   // nullptr if there are none
+  std::vector<Kind> kinds_;                   // of each medium, then of solids that absorb
+  std::vector<std::unique_ptr<Grid>> grids_;  // of those that have some
+  Lines lines_;
+  std::vector<int> of_mesh_;                 // medium of each mesh of boundaries_
+  Scene bounding_;                           // the meshes that bound media
+  std::unique_ptr<Accelerator> boundaries_;  // nullptr if there are none
   std::vector<Region> boxes_;
   int everywhere_ = -1;
   double front_ = 0;
 };
 
-/// The media of a scene; nullptr if there are none.
+/// The media of a scene; nullptr if there are none, nor solids that absorb.
 std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines);
 
 /// Checks numbers and grids. @throws Error, naming the medium

@@ -47,8 +47,8 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
   std::vector<double> means;  // mean of each material
   for (const Material& material : scene.materials) {
     const Vec3 texture = material.emission_texture ? mean_of(*material.emission_texture) : Vec3{1, 1, 1};
-    means.push_back(sum(lines.from_rgb(material.emission * texture)));
-    radiances_.push_back(lines.from_rgb(material.emission));
+    means.push_back(sum(emission_of(material, texture, lines)));
+    radiances_.push_back(emission_of(material, {1, 1, 1}, lines));
     has_texture_ |= material.emission_texture != nullptr || (means.back() > 0 && !is_opaque(material));
   }
   double total = 0;
@@ -66,7 +66,7 @@ EmissiveTriangles::EmissiveTriangles(const Scene& scene, const Lines& lines)
       if (material.emission_texture && !mesh.texture_coordinates.empty()) {
         const auto& uv = mesh.texture_coordinates;
         const Vec3 texture = mean_over(*material.emission_texture, uv[i], uv[j], uv[k]);
-        radiance = sum(lines.from_rgb(material.emission * texture));
+        radiance = sum(emission_of(material, texture, lines));
       }
       const double density = area > 0 ? radiance + mean / 20 : 0;  // a triangle without area is never met
       if (!(density * area > 0)) continue;
@@ -305,8 +305,13 @@ Emitters::Emitters(const Scene& scene, const Lines& lines)
     const auto* rectangle = std::get_if<RectangleLight>(&lights_[i]);
     if (rectangle && !rectangle->is_visible) lights_on_way_.push_back(int(i));
   }
-  for (const Material& material : scene.materials)
-    is_emissive_.push_back(max_component(lines.from_rgb(material.emission)) > 0);
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& material = scene.materials[i];
+    if (const auto& spectrum = material.emission_spectrum)
+      require_lines_in(lines, spectrum->wavelengths.front(), spectrum->wavelengths.back(),
+                       fmt::format("the spectrum of material {}", i));
+    is_emissive_.push_back(is_hot(material) || max_component(emission_of(material, {1, 1, 1}, lines)) > 0);
+  }
   if (scene.environment && scene.environment->sky)
     require_lines_in(lines, shortest_visible, longest_visible, "the sky");
   if (scene.environment) environment_.emplace(*scene.environment, lines);

@@ -131,20 +131,6 @@ const RefractiveIndex* solid_index(const Material& material) {
   return layers && layers->transmission.value > 0 && !layers->is_thin ? &layers->index : nullptr;
 }
 
-bool absorbs_inside(const Material& material) {
-  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
-  return layers && solid_index(material) && std::isfinite(layers->attenuation_distance) &&
-         !(layers->attenuation_color == Vec3{1, 1, 1});
-}
-
-Vec3 transmitted_inside(const Material& material, const SurfacePoint& point, double distance, const Lines& lines) {
-  if (point.is_front || !absorbs_inside(material)) return {1, 1, 1};
-  const auto& layers = std::get<PrincipledMaterial>(material.surface);
-  const Vec3 colour = lines.reflectance_of(layers.attenuation_color);
-  const double exponent = distance / layers.attenuation_distance;
-  return {std::pow(colour.x, exponent), std::pow(colour.y, exponent), std::pow(colour.z, exponent)};
-}
-
 const Material& material_at(const Scene& scene, const SurfacePoint& point) {
   static const Material black{DiffuseMaterial{.reflectance = {0, 0, 0}}};
   return point.material < 0 ? black : scene.materials[size_t(point.material)];
@@ -152,8 +138,13 @@ const Material& material_at(const Scene& scene, const SurfacePoint& point) {
 
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines) {
   if (!material.two_sided && !point.is_front) return {};
-  if (!material.emission_texture) return lines.from_rgb(material.emission);
-  return lines.from_rgb(material.emission * eval_texture(*material.emission_texture, point.uv));
+  if (is_hot(material)) {
+    const auto& particles = std::get<ScatteringMaterial>(material.surface);
+    const Vec3 absorbed = Vec3{1, 1, 1} - lines.reflectance_of(particles.albedo);
+    return emission_of(material, {1, 1, 1}, lines) + absorbed * point.colour * particles.blackbody;
+  }
+  return emission_of(
+      material, material.emission_texture ? eval_texture(*material.emission_texture, point.uv) : Vec3{1, 1, 1}, lines);
 }
 
 MediumIndices media_at(const Material& material, const SurfacePoint& point, double wavelength) {

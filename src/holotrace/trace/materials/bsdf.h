@@ -87,15 +87,20 @@ bool is_pane(const Material& material);
 /// The refractive index of a solid that light enters by this surface; nullptr for any other surface.
 const RefractiveIndex* solid_index(const Material& material);
 
-/// Whether a surface encloses a solid that absorbs light on its way.
-bool absorbs_inside(const Material& material);
-
-/// The share of light left on the way through the solid to this point, exp(−σ·distance) at the lines; 1 outside. With the
-/// colour c after the distance d, σ = −ln(c)/d (KHR_materials_volume).
-Vec3 transmitted_inside(const Material& material, const SurfacePoint& point, double distance, const Lines& lines);
-
 /// The material of a surface; black for the surface of a light, whose emission belongs to the light itself.
 const Material& material_at(const Scene& scene, const SurfacePoint& point);
+
+/// The emission of a material at the lines, times a colour; without its texture [W/m²/sr].
+inline Vec3 emission_of(const Material& material, Vec3 colour, const Lines& lines) {
+  const Vec3 emission = lines.from_rgb(material.emission * colour);
+  return material.emission_spectrum ? emission * lines.values_of(*material.emission_spectrum) : emission;
+}
+
+/// Whether particles emit by their temperature.
+inline bool is_hot(const Material& material) {
+  const auto* particles = std::get_if<ScatteringMaterial>(&material.surface);
+  return particles && particles->blackbody > 0;
+}
 
 /// Radiance that a material emits toward where the path came from, at the lines [W/m²/sr].
 Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const Lines& lines);

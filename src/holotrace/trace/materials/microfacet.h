@@ -254,8 +254,9 @@ struct RoughReflectionOf {
   MicrofacetAlbedo albedo{};  ///< albedos at this α
   Vec3 multiple{};            ///< K at the lines
 
-  /// 1 − E: the loss of single scattering.
+  /// 1 − E: the loss of single scattering, at a cosine and in a direction.
   double loss(double cosine) const { return albedo.at(cosine).loss; }
+  double loss(Vec3 w) const { return loss(w.z); }
 };
 
 using RoughReflection = RoughReflectionOf<double>;
@@ -271,12 +272,12 @@ inline double multiple_reflection(double mean_reflectance, double mean_loss) {
 }
 
 /// f·cosθ_i; 0 below the surface.
-template <class Alpha, class Reflectance>
-Vec3 eval_reflection(const RoughReflectionOf<Alpha>& r, Vec3 o, Vec3 i, const Reflectance& reflectance) {
+template <class Reflection, class Reflectance>
+Vec3 eval_reflection(const Reflection& r, Vec3 o, Vec3 i, const Reflectance& reflectance) {
   if (i.z <= 0) return {};
   const Vec3 h = normalize(o + i);
   const double single = ggx_density(h, r.alpha) * smith_masking_shadowing(o, i, r.alpha) / (4 * o.z);
-  return reflectance(std::fmin(1, dot(o, h))) * single + r.multiple * (r.loss(o.z) * r.loss(i.z) * i.z / pi);
+  return reflectance(std::fmin(1, dot(o, h))) * single + r.multiple * (r.loss(o) * r.loss(i) * i.z / pi);
 }
 
 /// Density of sample_reflection [1/sr].

@@ -104,10 +104,14 @@ Vec3 tangent_of(const Principled& material, const SurfacePoint& point) {
   return along * std::cos(angle) + cross(front, along) * (side * std::sin(angle));
 }
 
+double few_values(double share) {
+  constexpr double steps = 64;
+  return std::round(share * steps) / steps;
+}
+
 /// α of a solid's rough boundary. Those of textures have few values, as boundary_loss keeps a table of each.
 double alpha_of_solid(const Principled& material, double roughness) {
-  constexpr double steps = 64;
-  if (material.roughness.texture.image) roughness = std::round(roughness * steps) / steps;
+  if (material.roughness.texture.image) roughness = few_values(roughness);
   return roughness * roughness;
 }
 
@@ -157,15 +161,17 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   b.facets.alpha = {alpha, alpha};
   if (strength > 0) {
     constexpr double least = 1e-3;  // along the grooves
-    b.facets.alpha = {std::fmax(alpha + (1 - alpha) * strength * strength, least), std::fmax(alpha, least)};
+    // Those of textures have few values, as brushed_loss keeps a table of each.
+    const double even = material.roughness.texture.image ? std::pow(few_values(roughness), 2) : alpha,
+                 brush = material.anisotropy.texture.image ? few_values(strength) : strength;
+    b.facets.alpha = {std::fmax(even + (1 - even) * brush * brush, least), std::fmax(even, least)};
     b.tangent = tangent_of(material, point);
   }
   if (!b.is_base_smooth()) {
-    // Of a brushed surface, multiple scattering is that of an isotropic one that loses about as much or less: up to a quarter of the
-    // light is lost, and up to 2 % too much is sent back.
     const auto [along, across] = b.facets.alpha;
-    b.facets.albedo = MicrofacetAlbedo(along == across ? along : 0.45 * (along + across));
-    b.mean_loss = b.facets.albedo.mean().loss;
+    if (along != across) b.facets.brushed = &brushed_loss(b.facets.alpha);
+    b.facets.albedo = MicrofacetAlbedo(b.facets.brushed ? b.facets.brushed->even_alpha : along);
+    b.mean_loss = b.facets.brushed ? b.facets.brushed->mean : b.facets.albedo.mean().loss;
   }
 
   const Vec3 specular_colour = lines.from_rgb(colour_at(material.specular_color, point));

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "holotrace/data/scene.h"
+#include "holotrace/trace/materials/brushed_loss.h"
 #include "holotrace/trace/materials/dielectric_bsdf.h"
 #include "holotrace/trace/materials/fresnel.h"
 #include "holotrace/trace/materials/lobe.h"
@@ -76,9 +77,9 @@ struct BoundaryReflectance {
 ///   sheen are on its outside. A thin sheet transmits what its boundary does not reflect straight on, spread as a rough
 ///   reflection is.
 ///
-/// It is reciprocal. Unless it is brushed, it never reflects more than it receives, and a white one without layers reflects everything, up to
+/// It is reciprocal. It never reflects more than it receives, and a white one without layers reflects everything, up to
 /// the errors of tables and, with a film on a rough base, of 16 microfacets (4 % for a film of 4 waves). Lost are: under a coat or sheen, what the
-/// two factors in min() differ by, of a rough metal and of light that leaves a solid; of a brushed metal up to a quarter.
+/// two factors in min() differ by, of a rough metal and of light that leaves a solid.
 /// Emission is on top of all layers.
 ///
 /// As lobes: diffuse and sheen are D, rough coat, base and glass are G, smooth ones S.
@@ -96,7 +97,7 @@ struct PrincipledBsdf {
 
   double dielectric_share = 1, metal_share = 0;  ///< factors of the two boundaries
   BoundaryReflectance dielectric, metal;
-  RoughReflectionOf<Vec2> facets{{0, 0}};
+  BrushedReflection facets{{{0, 0}}};
   double mean_loss = 0;  ///< 1 − Ē of the base
 
   Vec3 diffuse, diffuse_through;   ///< ρ/T̄, reflected and transmitted
@@ -245,7 +246,7 @@ inline PrincipledLight between(const PrincipledBsdf& b, const PrincipledChoice& 
         eval_reflection(b.facets, o, i, [&](double cosine) { return b.reflectance(cosine); }) * layers,
         pdf_reflection(b.facets, o, i, choice.multiple));
   } else if (max_component(b.through) > 0) {
-    RoughReflectionOf<Vec2> sheet = b.facets;
+    BrushedReflection sheet = b.facets;
     sheet.multiple = b.through_multiple;
     const auto transmitted = [&](double cosine) { return b.through * (Vec3{1, 1, 1} - b.dielectric.at(cosine)); };
     add(PrincipledPart::sheet, eval_reflection(sheet, o, up, transmitted) * layers,

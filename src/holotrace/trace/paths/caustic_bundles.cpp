@@ -19,6 +19,8 @@ namespace holotrace {
 namespace {
 
 constexpr double least_share = 1e-3;  // of a chain, as in specular.cpp
+constexpr size_t most_chained_to_media =
+    4;  // surfaces between a lamp and particles: into glass in glass, or through it
 
 constexpr std::array<Vec2, 4> corners{Vec2{-1, -1}, Vec2{1, -1}, Vec2{1, 1}, Vec2{-1, 1}};
 
@@ -26,7 +28,8 @@ constexpr std::array<Vec2, 4> corners{Vec2{-1, -1}, Vec2{1, -1}, Vec2{1, 1}, Vec
 struct Landing {
   LightWay way;
   std::optional<Vec3> place;  // of a surface that scatters; none: beyond all surfaces
-  std::vector<Vec3> veils;    // places that it lights before, of surfaces that let a part of it pass
+  std::vector<Vec3> before;   // places that it lights before: surfaces that let a part of it pass, and the way in media
+  bool is_in_media = false;   // whether it lands only because media may scatter it
 };
 
 /// Whether a surface may let rays pass that its shape stops, so that it is no part of a chain.
@@ -56,24 +59,35 @@ std::optional<Hit> closest_hit_behind_lamps(const PathScene& scene, Ray ray, con
   }
 }
 
-/// Follows all branches of a ray of a lamp. Calls land(landing) where one reaches a surface that scatters, or leaves.
+/// Follows all branches of a ray of a lamp. Calls land(landing) where one reaches a surface that scatters, or leaves. In a scene
+/// with media that scatter, each part of the way lands, as far as they reach.
 template <class Land>
 void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& is_cut, const Land& land) {
-  std::vector<Vec3> veils;
+  std::vector<Vec3> before;
+  const double reach = scene.accelerator.reach_of_particles();
+  if (reach > 0) before.push_back(way.ray.origin);
   const auto hit =
-      closest_hit_behind_lamps(scene, way.ray, [&](const Hit& veil) { veils.push_back(veil.point.position); });
+      closest_hit_behind_lamps(scene, way.ray, [&](const Hit& veil) { before.push_back(veil.point.position); });
   if (!hit) {
     if (way.chain.empty()) return;
+    constexpr double farthest = 10;  // sizes of the scene, in a medium that fills space
+    const double radius = scene.accelerator.precision().radius;
+    const double end = (std::isfinite(reach) ? reach : farthest * radius) + radius;
     std::optional<Vec3> last;
-    if (!veils.empty()) last = veils.back();
-    land({way, last, std::move(veils)});
+    if (reach > 0 && way.chain.size() <= most_chained_to_media)
+      last = way.ray.origin + way.ray.direction * end;
+    else if (!before.empty())
+      last = before.back();
+    land({way, last, std::move(before), reach > 0});
     return;
   }
   const Material& material = scene.scene.materials[size_t(hit->point.material)];
   const SurfacePoint point = shading_point(material, hit->point);
   const Bsdf bsdf = make_bsdf(material, point, scene.lines);
   const LobeSet lobes = lobes_of(bsdf);
-  if (!way.chain.empty() && (lobes.has_diffuse || lobes.has_glossy)) land({way, point.position, veils});
+  const bool scatters = lobes.has_diffuse || lobes.has_glossy,
+             is_in_media = !scatters && reach > 0 && way.chain.size() <= most_chained_to_media;
+  if (!way.chain.empty() && (scatters || is_in_media)) land({way, point.position, before, is_in_media});
   if (!acts_as_its_mesh(material)) return;
   const SpecularBranches branches = specular_branches(bsdf, -way.ray.direction);
   for (int i = 0; i < branches.count; ++i) {
@@ -242,7 +256,9 @@ class BundleMaker {
         std::array<const Landing*, 5> alike;
         std::transform(landings.begin(), landings.end(), alike.begin(), with_same_way);
         const bool spreads_evenly = add_bundle(cell, i, alike, found);
-        is_even = is_even && (spreads_evenly || max_component(landing.way.weight) < least_to_split);
+        // In media, light is looked for in few large bundles, by more steps of Newton's method.
+        const bool is_fine = landing.is_in_media && level > 0;
+        is_even = is_even && (spreads_evenly || is_fine || max_component(landing.way.weight) < least_to_split);
       }
     if (!is_even && level < finest_level) {
       const Vec3 u = cell.u * 0.5, v = cell.v * 0.5;
@@ -367,7 +383,7 @@ class BundleMaker {
         lit.include(*alike[i]->place);
         const auto guess = first_guess(bundle, *alike[i]->place, {});
         error = std::max(error, guess ? std::min(largest(*guess - places[i]), most_error) : most_error);
-        for (const Vec3& veil : alike[i]->veils) lit.include(veil);
+        for (const Vec3& place : alike[i]->before) lit.include(place);
       } else {
         // Beyond the edge of a mirror, lens or lit surface, by first order.
         const Vec2 p = places[i] - bundle.known;

@@ -43,7 +43,6 @@ struct Caustics {
   std::vector<LampBundles> lamps;  ///< of each light of the scene; empty if none has any bundles
   bool has_uneven =
       false;  ///< whether light by a mirror or glass with a normal map, or with an opacity below 1, was left out
-  bool has_media = false;       ///< whether light in a scene with media was left out
   bool has_long = false;        ///< whether light by more than most_chained surfaces was left out
   bool has_rectangles = false;  ///< whether a rectangle has bundles, so that such light is found in two ways
 

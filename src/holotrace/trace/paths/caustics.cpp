@@ -146,13 +146,17 @@ void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by
     const double rounding = 8 * (at.clearance + from_last.clearance) / std::max(cosine, least_light_cosine);
     ++counts.shadow_rays;
     const Ray back{scene.accelerator.leave(at, -end->direction), -end->direction};
-    if (scene.accelerator.is_occluded(back, last - rounding, Aim::exact, {veils}) ||
-        (veils == Veils::Kind::drawn && !passes_veils(scene, from, ray, way))) {
-      // Other bundles that show the same ray must not draw the veils again.
-      if (scene.accelerator.has_openings()) arrivals.push_back(std::move(*arrival));
+    Vec3 passed{1, 1, 1};
+    if (scene.accelerator.is_occluded(back, last - rounding, Aim::exact, {veils}))
+      passed = {};
+    else if (veils == Veils::Kind::drawn)
+      passed = passed_before(scene, from, ray, way) * scene.accelerator.transmittance(back, last);
+    if (is_black(passed)) {
+      // Other bundles that show the same ray must not draw veils and particles again.
+      if (scene.accelerator.has_openings() || scene.accelerator.has_media()) arrivals.push_back(std::move(*arrival));
       return;
     }
-    CausticLight one{back.direction, way.weight, 1, int(way.chain.size()), 0, end->index, {}};
+    CausticLight one{back.direction, way.weight * passed, 1, int(way.chain.size()), 0, end->index, {}};
     if (rectangle) {
       const double share = max_component(way.weight);
       one.pdf = density_from({place, back.direction}, way.chain, *rectangle, lit_by.start) / share;

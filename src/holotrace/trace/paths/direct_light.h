@@ -229,7 +229,9 @@ class DirectLight {
 
   /// Whether a light may come by mirrors and glass that caustic_light finds.
   bool has_caustics(const PathVertex& at, const SampledLight& light) const {
-    return !scene_.caustics.is_empty() && light.light && at.depth < scene_.params.max_depth;
+    // Paths from particles meet lights with an area by themselves.
+    return !scene_.caustics.is_empty() && light.light && at.depth < scene_.params.max_depth &&
+           !(light.is_shared && at.point.is_particle());
   }
 
   /// Adds the light that comes by curved mirrors, glass and several flat mirrors; from the place u of a light with an area.

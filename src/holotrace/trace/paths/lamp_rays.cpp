@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
@@ -76,9 +77,6 @@ void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, c
   way.index = way.chain.back().index_after();
   // The weight of a branch is that of radiance; n² of it is not power.
   way.weight *= branch.weight / branch.squared_index_ratio;
-  if (scene.has_absorbers)
-    way.weight *= transmitted_inside(scene.scene.materials[size_t(point.material)], point,
-                                     length(point.position - way.ray.origin), scene.lines);
   way.squared_index /= branch.squared_index_ratio;
   way.phase += branch.phase;
   way.ray = {scene.accelerator.leave(point, branch.direction), branch.direction};
@@ -107,17 +105,25 @@ std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& fr
   return way;
 }
 
-bool passes_veils(const PathScene& scene, const LampOrigin& from, const Ray& ray, const LightWay& way) {
-  if (!scene.accelerator.has_openings()) return true;
+Vec3 passed_before(const PathScene& scene, const LampOrigin& from, const Ray& ray, const LightWay& way) {
+  Vec3 share{1, 1, 1};
+  const Accelerator& accelerator = scene.accelerator;
+  if (!accelerator.has_openings() && !accelerator.has_media()) return share;
   const auto start = leave_lamp(scene, from, ray);
   Vec3 place = start->origin;
   for (size_t k = 0; k < way.chain.size(); ++k) {
     const SurfacePoint& point = way.chain[k].point;
-    if (scene.accelerator.is_occluded(place, point.position)) return false;
-    if (k + 1 < way.chain.size())
-      place = scene.accelerator.leave(point, way.chain[k + 1].point.position - point.position);
+    if (accelerator.has_openings() && accelerator.is_occluded(place, point.position)) return {};
+    if (accelerator.has_media()) {
+      // A beam has come from afar, as in the sampling of lights.
+      const Vec3 back = from.is_beam() && k == 0 ? -ray.direction : normalize(place - point.position);
+      const double distance =
+          from.is_beam() && k == 0 ? std::numeric_limits<double>::infinity() : length(place - point.position);
+      share *= accelerator.transmittance({accelerator.leave(point, back), back}, distance);
+    }
+    if (k + 1 < way.chain.size()) place = accelerator.leave(point, way.chain[k + 1].point.position - point.position);
   }
-  return true;
+  return share;
 }
 
 bool is_same_way(const std::vector<SpecularVertex>& a, const std::vector<SpecularVertex>& b) {

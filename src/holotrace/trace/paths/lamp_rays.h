@@ -75,8 +75,9 @@ void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, c
 std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& from, const Ray& ray,
                                     const std::vector<SpecularVertex>& model, PathCounts& counts);
 
-/// Draws whether the veils before the last surface of the chain of a ray let its light pass.
-bool passes_veils(const PathScene& scene, const LampOrigin& from, const Ray& ray, const LightWay& way);
+/// The share of the light of a ray at the lines that veils and media let pass before the last surface of its chain. Whether veils
+/// do is drawn.
+Vec3 passed_before(const PathScene& scene, const LampOrigin& from, const Ray& ray, const LightWay& way);
 
 /// Whether two chains have the same meshes, and reflections and refractions.
 bool is_same_way(const std::vector<SpecularVertex>& a, const std::vector<SpecularVertex>& b);

@@ -285,10 +285,6 @@ void warn_of_caustics(const PathScene& scene, const Observer& observer) {
     observer.warn(
         "caustics of point, spot and directional lights through mirrors or glass with a normal map or an opacity "
         "below 1 are left out; use rectangle lights, or remove the map");
-  if (scene.caustics.has_media)
-    observer.warn(
-        "caustics of point, spot and directional lights in a scene with media are left out, also the light that they send "
-        "into media behind glass; use rectangle lights, which paths find by themselves");
   if (scene.caustics.has_long)
     observer.warn(fmt::format(
         "caustics of point, spot and directional lights with more than {} reflections and refractions are left out; "

@@ -121,7 +121,7 @@ static Lines lines_for(const Scene& scene, Lines lines) {
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
-      accelerator(scene, params.accelerator, lines),
+      accelerator(scene, params.accelerator, lines_for(scene, lines)),
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines_for(scene, lines)),
@@ -129,10 +129,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       rectangles(scene.lights.size()),
       mirrors(flat_mirrors(scene, emitters.lights(), lines)),
       has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),
-                            [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })),
-      has_absorbers(std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
-        return absorbs_inside(scene.materials[size_t(mesh.material)]);
-      })) {
+                            [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })) {
   require(params.max_depth >= 1, "expected a max_depth of 1 surface or more, got {}", params.max_depth);
   require(params.roulette_depth >= 1, "expected a roulette_depth of 1 surface or more, got {}", params.roulette_depth);
   require(std::isfinite(params.clamp) && params.clamp >= 0, "expected a clamp of 0 W/m²/sr or more, got {}",
@@ -144,10 +141,6 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
     if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
       rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
   caustics = find_caustics(*this, params.caustic_rays);
-  if (accelerator.has_media() && !caustics.is_empty()) {
-    caustics = {};  // what media do on the way is not known
-    caustics.has_media = !std::all_of(emitters.lights().begin(), emitters.lights().end(), has_area);
-  }
 }
 
 }  // namespace holotrace

@@ -63,7 +63,6 @@ struct PathScene {
   std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
   std::vector<FlatMirror> mirrors;     ///< that reflect the light of lights which no ray can meet
   bool has_panes;                      ///< whether a mesh is of thin glass, which transmits light straight on
-  bool has_absorbers;                  ///< whether a mesh encloses a solid that absorbs light
   Caustics caustics;                   ///< light of small lamps by mirrors and glass
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp

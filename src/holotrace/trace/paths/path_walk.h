@@ -94,7 +94,7 @@ class PathWalk {
       if (!next) return;
       if constexpr (Sink::follows_phase) sink_.scatter(point_, *next);
       if (scene_.caustics.has_rectangles && next->lobe != Lobe::specular)
-        last_scatter_ = {point_, next->direction, next->pdf, depth_};
+        last_scatter_ = {point_, next->direction, point_.is_particle() ? 0 : next->pdf, depth_};
       if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) return;
     }
   }
@@ -326,7 +326,6 @@ class PathWalk {
       return false;
     }
     if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
-    if (scene_.has_absorbers) throughput_ *= transmitted_inside(material(), point_, distance_, scene_.lines);
     if (material().normal_map) point_ = shading_point(material(), point_);
     ++depth_;
     arrive();
@@ -351,7 +350,7 @@ class PathWalk {
   struct Scatter {
     SurfacePoint point;
     Vec3 direction;
-    double pdf = 0;  // [1/sr]; 0: none
+    double pdf = 0;  // [1/sr]; 0: none, or a particle, from which paths alone find such light
     int depth = 0;
   };
   Scatter last_scatter_;

@@ -185,7 +185,7 @@ struct Walk {
                     guide->chain[size_t(depth) - 1].is_transmission != way.is_transmission))
         continue;
       SpecularLeaf next = here;
-      next.weight = here.weight * way.weight * transmitted_inside(material, point, hit->distance, scene.lines);
+      next.weight = here.weight * way.weight;
       const SpecularVertex vertex = specular_vertex(scene.scene, point, ray.direction, way, index, scene.lines);
       // Inside glass radiance is n² times as large as outside: n²·weight is the fraction of the light.
       const double beyond = vertex.index_after();

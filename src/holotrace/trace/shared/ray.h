@@ -18,12 +18,14 @@ struct Ray {
 /// A point of a surface, as materials and lights need it. Normals are unit vectors on the side that the path
 /// came from.
 struct SurfacePoint {
-  Vec3 position;                    ///< [m]
-  Vec3 geometric_normal;            ///< normal of the triangle
-  Vec3 normal;                      ///< interpolated, for shading
-  Vec2 uv;                          ///< 0 without a texture
-  Vec3 tangent_u, tangent_v;        ///< ∂position/∂u and ∂position/∂v [m]; 0 without a normal map
-  Vec3 colour{1, 1, 1};             ///< colour of the vertices, interpolated
+  Vec3 position;              ///< [m]
+  Vec3 geometric_normal;      ///< normal of the triangle
+  Vec3 normal;                ///< interpolated, for shading
+  Vec2 uv;                    ///< 0 without a texture
+  Vec3 tangent_u, tangent_v;  ///< ∂position/∂u and ∂position/∂v [m]; 0 without a normal map
+  /// Colour of the vertices, interpolated. Of a particle: radiance of a black body of its temperature at the lines, of a nanometre
+  /// of the spectrum [W/m²/sr], if its medium has one.
+  Vec3 colour{1, 1, 1};
   int material = 0;                 ///< index into Scene::materials (material_at); −1: the surface of a light
   int light = -1;                   ///< index into Scene::lights, on the surface of a light
   bool is_front = true;             ///< the path came from the side that sees the triangle counter-clockwise
