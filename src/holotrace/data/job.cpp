@@ -64,6 +64,7 @@ struct SurfaceColour {
   }
   bool operator()(const ScatteringMaterial& m) const { return is_coloured(m.albedo) || m.droplet_radius > 0; }
   bool operator()(const MeasuredMaterial&) const { return true; }
+  bool operator()(const FilterMaterial&) const { return false; }
 };
 
 struct LightColour {
