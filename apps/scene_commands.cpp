@@ -147,6 +147,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand("render", "path-traced image of a scene, seen from the panel");
   struct Options {
     std::string scene, output, report;
+    bool has_stokes = false;
     SceneFlags read;
     Flags flags;
   };
@@ -159,6 +160,8 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   o->read.add(*command);
   add_shutter(*command, o->read.shutter);
   add_report(*command, o->report);
+  command->add_flag("--stokes", o->has_stokes,
+                    "Stokes parameters S0 to S3 of the light in each pixel, as channels S0.R, …, S3.B of an .exr");
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds(),
@@ -175,7 +178,9 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
     require(
         is_stack || extension_of(o->output) != ".h5",
         "expected --focal-stack for a picture in .h5, got none; give the distances of the planes, or another format");
-    std::vector<std::string> endings = image_endings;
+    require(!o->has_stokes || (!is_stack && job.render.eye_separation == 0),
+            "expected --stokes for one picture, got it with focal_stack or eye_separation; leave one out");
+    std::vector<std::string> endings = o->has_stokes ? std::vector<std::string>{".exr"} : image_endings;
     if (is_stack) endings.insert(endings.begin(), ".h5");
     check_output(o->output, endings);
     Console console(global.is_quiet);
@@ -184,6 +189,11 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
       for (size_t i = 1; i < job.render.focal_stack.size(); ++i) note_output(numbered_path(o->output, i));
     if (job.render.eye_separation > 0)
       for (const char* eye : {"_left", "_right"}) note_output(path_with_suffix(o->output, eye));
+    if (o->has_stokes) {
+      const auto parameters = make_stokes(job, job.render, console.watch("render"));
+      console.finish();
+      return save_stokes(o->output, parameters);
+    }
     if (is_stack) return save_stack(job, o->output, console, global.is_quiet);
     const auto render_with = [&](const RenderParams& params, const std::string& stage) {
       return make_picture(job, params, use_of(o->output), console.watch(stage));

@@ -66,6 +66,7 @@ struct SurfaceColour {
     return is_coloured(m.albedo) || m.droplet_radius > 0 || m.blackbody > 0;
   }
   bool operator()(const MeasuredMaterial&) const { return true; }
+  bool operator()(const FilterMaterial&) const { return false; }
 };
 
 struct LightColour {

@@ -248,6 +248,11 @@ void members(Archive& archive, ScatteringMaterial& part) {
   archive(albedo, anisotropy, droplet_radius, blackbody);
 }
 template <class Archive>
+void members(Archive& archive, FilterMaterial& part) {
+  auto& [axis, transmittance, leakage, delay, path_difference] = part;
+  archive(axis, transmittance, leakage, delay, path_difference);
+}
+template <class Archive>
 void members(Archive& archive, Material& part) {
   auto& [surface, emission, emission_texture, emission_spectrum, normal_map, normal_scale, opacity, opacity_texture,
          opacity_cutoff, two_sided, medium] = part;
@@ -306,8 +311,8 @@ void members(Archive& archive, Environment& part) {
 }
 template <class Archive>
 void members(Archive& archive, Scene& part) {
-  auto& [materials, meshes, lights, points, background, environment, media, reflectances] = part;
-  archive(materials, meshes, lights, points, background, environment, media, reflectances);
+  auto& [materials, meshes, lights, points, background, environment, media, reflectances, analyser] = part;
+  archive(materials, meshes, lights, points, background, environment, media, reflectances, analyser);
 }
 
 /// A visitor of `describe` that passes on each parameter.

@@ -14,6 +14,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/image.h"
 #include "holotrace/data/measured_brdf.h"
+#include "holotrace/data/polarization.h"
 #include "holotrace/data/refractive_index.h"
 #include "holotrace/data/spectrum.h"
 
@@ -133,10 +134,19 @@ struct MeasuredMaterial {
   std::shared_ptr<const MeasuredBrdf> brdf{};
 };
 
+/// A sheet that polarises or delays light on its way straight through it, without reflection: a polariser, a wave plate.
+struct FilterMaterial {
+  Vec3 axis{1, 0, 0};          ///< direction in the scene; its part in the sheet counts
+  double transmittance = 1;    ///< of light polarised along the axis, in [0, 1]
+  double leakage = 0;          ///< transmittance of light polarised across the axis
+  double delay = 0;            ///< of the light along the axis, at every wavelength [rad]
+  double path_difference = 0;  ///< and of 2π·path_difference/λ [m]
+};
+
 /// The reflection, transmission and emission of a surface. To add a material: see CONTRIBUTING.md.
 struct Material {
   using Surface = std::variant<DiffuseMaterial, ConductorMaterial, DielectricMaterial, MetallicRoughnessMaterial,
-                               PrincipledMaterial, MeasuredMaterial, ScatteringMaterial>;
+                               PrincipledMaterial, MeasuredMaterial, ScatteringMaterial, FilterMaterial>;
   Surface surface;
   Vec3 emission{0, 0, 0};                               ///< emitted radiance [W/m²/sr]
   std::shared_ptr<const Image> emission_texture{};      ///< multiplies emission (linear light)
@@ -270,6 +280,8 @@ struct Scene {
   std::optional<Environment> environment;            ///< radiance of such rays from a map; added to the background
   Reflectances reflectances = Reflectances::linear;  ///< what the colours of surfaces reflect between the three lines
   std::vector<Medium> media;
+  /// What the viewer sees of the Stokes parameters, such as through polarised glasses; none: light has no polarization.
+  std::optional<StokesVector> analyser{};
 };
 
 /// @throws Error, naming mesh and element, for triangles with invalid vertex indices, numbers that are

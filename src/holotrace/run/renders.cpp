@@ -146,6 +146,27 @@ Image make_render(const Job& job, const RenderParams& params, const Observer& ob
                 observer);
 }
 
+std::array<Image, 4> make_stokes(const Job& job, const RenderParams& params, const Observer& observer) {
+  require(params.clamp == 0, "expected no clamp for the Stokes parameters, got {}; leave out clamp", params.clamp);
+  std::array<Image, 4> parameters;
+  Job one = job;
+  for (size_t k = 0; k < 4; ++k) {
+    StokesVector row{};
+    row[k] = 1;
+    one.scene.analyser = row;
+    for (Moment& moment : one.moments) {
+      const auto scene = std::make_shared<Scene>(*moment.scene);
+      scene->analyser = row;
+      moment.scene = scene;
+    }
+    Observer part;
+    if (k == 0) part = observer;  // its facts and warnings are those of all
+    part.on_progress = part_of(observer, int(k), 4).on_progress;
+    parameters[k] = make_render(one, params, part);
+  }
+  return parameters;
+}
+
 HalvedRender make_halved_render(const Job& job, const RenderParams& params, const Observer& observer) {
   RenderParams half = params;
   half.paths = params.paths / 2;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -83,6 +84,11 @@ enum class PictureUse { to_look_at, radiance };
 /// cannot be used.
 /// @throws Error  as render and denoise do, but none for want of a library
 Image make_picture(const Job& job, const RenderParams& params, PictureUse use, const Observer& observer = {});
+
+/// The Stokes parameters S0 to S3 of the light in each pixel (data/polarization.h), signed radiance in red, green and blue [W/m²/sr], for
+/// the panel's axis x. The analyser of the scene counts as left out. As each is found along the same light paths, no pixel has more
+/// polarised light than light. Facts: those of make_render for S0. Cost: four times make_render.
+std::array<Image, 4> make_stokes(const Job& job, const RenderParams& params, const Observer& observer = {});
 
 /// A focal stack, denoised in the same way, with its facts.
 FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances, const RenderParams& params,

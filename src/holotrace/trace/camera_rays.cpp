@@ -20,7 +20,7 @@ namespace {
 
 Vec3 background_along(const PathScene& scene, const Ray& ray) {
   const int seen_path_groups = std::popcount(scene.automaton.accepted(scene.automaton.start()));
-  return scene.emitters.background(ray.direction) * seen_path_groups;
+  return scene.emitters.background(ray.direction) * (seen_path_groups * scene.share_of_unpolarised());
 }
 
 }  // namespace

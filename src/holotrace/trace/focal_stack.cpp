@@ -277,7 +277,8 @@ PathCounts fill_targets(PreparedExposure& scenes, const StackLens& lens, const R
 /// Adds the mean light of the luminous points to a picture.
 void draw_points(PreparedExposure& scenes, const PanelPart& part, const PixelPlane& plane, Image& picture) {
   for (size_t moment = 0; scenes.has_points() && moment < scenes.moments(); ++moment)
-    draw_points(scenes.at(moment).accelerator, part, plane, 1 / double(scenes.moments()), picture);
+    draw_points(scenes.at(moment).accelerator, part, plane,
+                scenes.at(moment).share_of_unpolarised() / double(scenes.moments()), picture);
 }
 
 void check_light_field(const LightFieldParams& p, const Grid& panel) {

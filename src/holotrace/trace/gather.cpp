@@ -142,6 +142,7 @@ void add_waves(const Gathering& g, Found& found, PixelSums& sums) {
 void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
   const std::vector<ScenePoint>& points = g.scene.scene.points;
   const size_t frames = size_t(g.params.frames);
+  const double seen = std::sqrt(g.scene.share_of_unpolarised());
   for (size_t p = 0; p < points.size(); ++p) {
     const ScenePoint& point = points[p];
     const Vec3 way = point.position - pixel;
@@ -151,7 +152,7 @@ void add_points(const Gathering& g, Vec3 pixel, PixelSums& sums) {
       const double radius = box_radius(depth, g.sets[i].cone(), g.panel.pitch);
       if (!g.sets[i].has_points || std::abs(way.x) > radius || std::abs(way.y) > radius) continue;
       const double amplitude =
-          point_amplitude(g.panel, g.sets[i].wavelength, g.sets[i].cone(), depth) * point.amplitude;
+          point_amplitude(g.panel, g.sets[i].wavelength, g.sets[i].cone(), depth) * point.amplitude * seen;
       const double beyond = point.position.z < 0 ? distance : -distance;  // a wave to a point in front converges
       const double cycles = cycle_fraction(beyond, g.sets[i].wavelength) + point.phase / (2 * pi);
       const uint64_t key = point_key(g.params, g.sets[i], p);

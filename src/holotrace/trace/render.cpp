@@ -179,7 +179,8 @@ Image render_masked(const SceneExposure& exposure, const Grid& panel, double wav
   for (size_t moment = 0; prepared.has_points() && moment < exposure.moments.size(); ++moment) {
     const Accelerator& accelerator = prepared.at(moment).accelerator;
     eye.position = params.eye + exposure.moments[moment].eye_moved;
-    draw_points(accelerator, eye, panel, wavelength, 1 / double(exposure.moments.size()), image);
+    const double part = prepared.at(moment).share_of_unpolarised() / double(exposure.moments.size());
+    draw_points(accelerator, eye, panel, wavelength, part, image);
   }
 
   PathCounts total;

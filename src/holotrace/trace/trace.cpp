@@ -215,21 +215,22 @@ void trace_sample(const Tracing& t, int64_t index, Block& block) {
 /// Adds the luminous points that the panel's centre (for `tiled`: any tile) sees.
 void add_points(const Tracing& t, std::vector<TracedWaves>& sets, Brightness& brightness) {
   const std::vector<ScenePoint>& points = t.scene.scene.points;
+  const double seen = std::sqrt(t.scene.share_of_unpolarised());
   for (size_t i = 0; i < points.size(); ++i) {
     const ScenePoint& point = points[i];
     const auto is_seen = [&](Vec3 place) { return !t.scene.accelerator.is_hidden(place, point.position); };
-    std::vector<char> seen;  // index: tile
-    for (const PanelTile& tile : t.tiles) seen.push_back(is_seen(tile.centre));
-    const bool is_lit = t.tiles.empty() ? is_seen({}) : std::count(seen.begin(), seen.end(), 1) > 0;
+    std::vector<char> by_tiles;
+    for (const PanelTile& tile : t.tiles) by_tiles.push_back(is_seen(tile.centre));
+    const bool is_lit = t.tiles.empty() ? is_seen({}) : std::count(by_tiles.begin(), by_tiles.end(), 1) > 0;
     if (!is_lit) continue;
     brightness.add(double(point.amplitude) * point.amplitude);
     for (size_t s = 0; s < sets.size(); ++s) {
       const WaveSet& set = t.sets[s];
       if (!set.has_points) continue;
-      const float amplitude =
-          float(point_amplitude(t.panel, set.wavelength, set.cone(), std::abs(point.position.z)) * point.amplitude);
+      const double whole = point_amplitude(t.panel, set.wavelength, set.cone(), std::abs(point.position.z));
+      const auto amplitude = float(whole * point.amplitude * seen);
       add_wave(t, sets[s], {point.position, amplitude}, point.phase, point_key(t.params, t.sets[s], i), {});
-      for (const char is_seen_from : seen) sets[s].tiles.push_back(is_seen_from ? amplitude : 0);
+      for (const char is_seen_from : by_tiles) sets[s].tiles.push_back(is_seen_from ? amplitude : 0);
     }
   }
 }

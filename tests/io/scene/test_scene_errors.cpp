@@ -77,8 +77,8 @@ TEST(SceneFileErrors, UnknownKeysAreRefusedEverywhere) {
             "5:1: unknown key \"segmnts\"; did you mean \"segments\"?");
   EXPECT_EQ(
       error_with("[scene]\n"),
-      "2:2: unknown key \"scene\"; known: animate, background, camera, encode, environment, eye, light, materials, media, object, "
-      "propagate, reflectances, render, shape, show, shutter, slm, synthesize, time, trace, wavelength");
+      "2:2: unknown key \"scene\"; known: analyser, animate, background, camera, encode, environment, eye, light, materials, media, object, "
+      "polarization, propagate, reflectances, render, shape, show, shutter, slm, synthesize, time, trace, wavelength");
 }
 
 TEST(SceneFileErrors, UnknownNamesAreRefused) {

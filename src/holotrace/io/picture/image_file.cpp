@@ -224,23 +224,45 @@ void check_image(const std::string& path, int bits) {
   require(bits == 8 || !extension.starts_with(".jp"), "expected 8 bits for the JPEG {}, got 16; name a .png", path);
 }
 
+static std::string text_of(const std::string& path, const FileRecord& record) {
+  return record_json(record_inside(path, record)).dump(-1, ' ', true);
+}
+
+// Writes the channels of an image under these names.
+static void save_exr(const std::string& path, const std::vector<std::string>& channels, const Image& image,
+                     const FileRecord& record) {
+  ExrHeader header{image.nx, image.ny, channels, {}, {}};
+  if (image.pitch > 0) header.numbers[pitch_name] = image.pitch;
+  if (!record.empty()) header.texts[record_name] = text_of(path, record);
+  write_exr(path, header, image.values.data());
+}
+
+void save_stokes(const std::string& path, const std::array<Image, 4>& parameters, const FileRecord& record) {
+  const Image& first = parameters[0];
+  require(extension_of(path) == ".exr", "{}: expected a picture .exr for Stokes parameters", path);
+  Image all(first.ny, first.nx, 12);
+  all.pitch = first.pitch;
+  std::vector<std::string> channels;
+  for (size_t k = 0; k < 4; ++k) {
+    require(parameters[k].channels == 3 && parameters[k].values.size() == first.values.size(),
+            "{}: expected four pictures of the same size in colour", path);
+    for (const char* colour : {"R", "G", "B"}) channels.push_back(fmt::format("S{}.{}", k, colour));
+    for (size_t i = 0; i < first.values.size(); ++i) all.values[i / 3 * 12 + 3 * k + i % 3] = parameters[k].values[i];
+  }
+  save_exr(path, channels, all, record);
+}
+
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record) {
   require(image.nx > 0 && image.ny > 0 && (image.channels == 1 || image.channels == 3),
           "expected an image with pixels of 1 or 3 channels to save as {}, got {} × {} of {}", path, image.nx, image.ny,
           image.channels);
   check_image(path, bits);
   const std::string extension = extension_of(path);
-  const auto record_text = [&] { return record_json(record_inside(path, record)).dump(-1, ' ', true); };
-  if (extension == ".exr") {
-    ExrHeader header{image.nx, image.ny, channels_named(image.channels), {}, {}};
-    if (image.pitch > 0) header.numbers[pitch_name] = image.pitch;
-    if (!record.empty()) header.texts[record_name] = record_text();
-    return write_exr(path, header, image.values.data());
-  }
+  if (extension == ".exr") return save_exr(path, channels_named(image.channels), image, record);
   require(std::isfinite(white) && white > 0, "expected a white level above 0 for {}, got {}", path, white);
   std::map<std::string, std::string> texts;
   if (image.pitch > 0) texts[pitch_name] = fmt::format("{:.17g}", image.pitch);
-  if (!record.empty()) texts[record_name] = record_text();
+  if (!record.empty()) texts[record_name] = text_of(path, record);
   if (extension != ".png")
     return write_jpeg(path, {image.nx, image.ny, image.channels, texts}, srgb_codes(image, white).data());
   const PngHeader header{image.nx, image.ny, image.channels, bits, true, texts};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -54,6 +55,11 @@ Image with_three_channels(Image image);
 /// @param record  files that belong to this one, as the next call must know them; none: no record
 /// @throws Error as check_image does, for another white, and where NewFile throws
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record = {});
+
+/// Writes the Stokes parameters of a picture, S0 to S3 of the same size with three channels each, as one .exr of the channels S0.R, S0.G,
+/// S0.B, …, S3.B, as Mitsuba 3 names them. Programs that read three channels, as load_image does, see S0.
+/// @throws Error as save_image does, and for an ending other than .exr
+void save_stokes(const std::string& path, const std::array<Image, 4>& parameters, const FileRecord& record = {});
 
 /// The values of a PNG of 8 bits: value/white clipped to [0, 1], sRGB-coded, in the order of the image.
 std::vector<uint8_t> srgb_codes(const Image& image, double white);

@@ -83,13 +83,33 @@ Shutter read_shutter(TomlTable& root) {
   return shutter;
 }
 
+// Whether light has polarization, and the polariser before the viewer.
+void read_polarization(TomlTable& root, Scene& scene) {
+  bool is_polarized = false;
+  root.flag("polarization", is_polarized);
+  if (is_polarized) scene.analyser = all_light;
+  if (!root.has("analyser")) return;
+  const auto name = root.find("analyser")->value_exact<std::string>();
+  if (name == "none") return;
+  double angle = 0;
+  if (name == "left")
+    scene.analyser = left_polariser;
+  else if (name == "right")
+    scene.analyser = right_polariser;
+  else {
+    root.angle("analyser", angle, range::any);
+    scene.analyser = linear_polariser(angle);
+  }
+}
+
 Job read_job(TomlTable& root, const std::string& path, Outside outside, std::optional<double> time) {
   Job job;
   job.shutter = read_shutter(root);
   choose_time(root, time);
   for (const char* section :
-       {"slm", "materials", "media", "light", "environment", "object", "shape", "background", "reflectances", "trace",
-        "render", "synthesize", "encode", "show", "propagate", "camera", "animate", "eye"})
+       {"slm",        "materials",    "media",        "light",    "environment", "object", "shape",
+        "background", "reflectances", "polarization", "analyser", "trace",       "render", "synthesize",
+        "encode",     "show",         "propagate",    "camera",   "animate",     "eye"})
     root.know(section);
   root.know("wavelength");
   root.refuse_unknown_keys();
@@ -98,6 +118,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   root.colour("background", job.scene.background, std::numeric_limits<double>::infinity());
   root.choice("reflectances", job.scene.reflectances,
               {{"linear", Reflectances::linear}, {"smooth", Reflectances::smooth}});
+  read_polarization(root, job.scene);
   auto slm = root.table("slm", "preset = \"pluto\"");
   if (slm) slm->read_at(nullptr);  // a panel stays as it is
   job.slm = slm ? read_slm(*slm, "pluto") : slm_preset("pluto");

@@ -308,6 +308,38 @@ MeasuredMaterial read_measured(TomlTable& table) {
   return surface;
 }
 
+// The axis of a sheet: an angle from x toward y, as the viewer sees the scene, or a direction.
+Vec3 read_filter_axis(TomlTable& table) {
+  Vec3 axis{1, 0, 0};
+  if (!table.has("axis")) return axis;
+  if (table.find("axis")->is_array()) {
+    table.direction("axis", axis);
+  } else {
+    double angle = 0;
+    table.angle("axis", angle, range::any);
+    axis = {std::cos(angle), std::sin(angle), 0};
+  }
+  return axis;
+}
+
+FilterMaterial read_polariser(TomlTable& table) {
+  FilterMaterial surface;
+  surface.axis = read_filter_axis(table);
+  table.number("transmittance", surface.transmittance, range::fraction);
+  table.number("leakage", surface.leakage, range::fraction);
+  return surface;
+}
+
+FilterMaterial read_retarder(TomlTable& table) {
+  FilterMaterial surface;
+  surface.axis = read_filter_axis(table);
+  table.angle("delay", surface.delay, range::any);
+  table.length("path_difference", surface.path_difference, range::any);
+  table.number("transmittance", surface.transmittance, range::fraction);
+  surface.leakage = surface.transmittance;
+  return surface;
+}
+
 }  // namespace
 
 Material read_material(TomlTable table, const std::map<std::string, int>& media) {
@@ -326,12 +358,17 @@ Material read_material(TomlTable table, const std::map<std::string, int>& media)
     material.surface = read_principled(table);
   else if (type == "measured")
     material.surface = read_measured(table);
+  else if (type == "polariser")
+    material.surface = read_polariser(table);
+  else if (type == "retarder")
+    material.surface = read_retarder(table);
   else if (type == "interface")
     material.opacity = 0;
   else
-    throw Error(table.where("type") + unknown_name_message("material type", type,
-                                                           {"diffuse", "conductor", "dielectric", "metallic-roughness",
-                                                            "principled", "measured", "interface"}));
+    throw Error(table.where("type") +
+                unknown_name_message("material type", type,
+                                     {"diffuse", "conductor", "dielectric", "metallic-roughness", "principled",
+                                      "measured", "polariser", "retarder", "interface"}));
   if (type == "interface") {
     table.require_key("medium");
     material.medium = read_medium_inside(table, material, media);

@@ -185,6 +185,17 @@ void check_surface(const MeasuredMaterial& material, size_t index) {
   require(material.brdf != nullptr, "expected a table of the measured material {}, got none", index);
 }
 
+void check_surface(const FilterMaterial& material, size_t index) {
+  require(std::isfinite(length(material.axis)) && length(material.axis) > 0,
+          "expected an axis of the polariser or retarder in material {} that is not 0, got ({}, {}, {})", index,
+          material.axis.x, material.axis.y, material.axis.z);
+  require_share(material.transmittance, "transmittance", index);
+  require_share(material.leakage, "leakage", index);
+  require(std::isfinite(material.delay) && std::isfinite(material.path_difference),
+          "expected a finite delay in material {}, got {} rad and {} m", index, material.delay,
+          material.path_difference);
+}
+
 void check_material(const Material& material, size_t index) {
   std::visit([&](const auto& surface) { check_surface(surface, index); }, material.surface);
   require(is_light_value(material.emission),
@@ -210,6 +221,7 @@ bool has_texture(const ConductorMaterial&) { return false; }
 bool has_texture(const DielectricMaterial&) { return false; }
 bool has_texture(const ScatteringMaterial&) { return false; }
 bool has_texture(const MeasuredMaterial&) { return false; }
+bool has_texture(const FilterMaterial&) { return false; }
 
 void check_sky(const Sky& sky) {
   require(sky.turbidity >= 1.7 && sky.turbidity <= 10, "expected a turbidity of the sky from 1.7 to 10, got {}",
@@ -270,6 +282,10 @@ void check_light_and_materials(const Scene& scene) {
   require(is_light_value(scene.background), "expected a background of 0 W/m²/sr or more, got ({}, {}, {})",
           scene.background.x, scene.background.y, scene.background.z);
   if (scene.environment) check_environment(*scene.environment);
+  if (scene.analyser)
+    for (const double weight : *scene.analyser)
+      require(std::abs(weight) <= 1, "expected weights of Stokes parameters from -1 to 1 for the analyser, got {}",
+              weight);
 }
 
 }  // namespace holotrace

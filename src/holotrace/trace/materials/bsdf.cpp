@@ -78,6 +78,12 @@ Bsdf make(const MeasuredMaterial& material, const SurfacePoint& point, const Lin
   return make_measured_bsdf(point, *material.brdf, lines);
 }
 
+Bsdf make(const FilterMaterial& material, const SurfacePoint& point, const Lines& lines) {
+  FilterBsdf b{point.normal, point.geometric_normal, material.axis, material.transmittance, material.leakage, {}};
+  for (size_t i = 0; i < 3; ++i) b.delay[i] = material.delay + 2 * pi * material.path_difference / lines.wavelengths[i];
+  return b;
+}
+
 /// Whether a one-sided surface is seen from behind.
 bool is_black_back(const Material& material, const SurfacePoint& point) {
   return !material.two_sided && !point.is_front && !solid_index(material);
@@ -116,6 +122,7 @@ SurfacePoint shading_point(const Material& material, const SurfacePoint& point) 
 }
 
 bool is_pane(const Material& material) {
+  if (std::holds_alternative<FilterMaterial>(material.surface)) return true;
   if (const auto* layers = std::get_if<PrincipledMaterial>(&material.surface)) {
     const double roughness = layers->roughness.value;
     return layers->is_thin && layers->transmission.value > 0 && roughness * roughness < smooth_alpha;

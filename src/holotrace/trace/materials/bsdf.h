@@ -11,6 +11,7 @@
 #include "holotrace/trace/materials/conductor_bsdf.h"
 #include "holotrace/trace/materials/dielectric_bsdf.h"
 #include "holotrace/trace/materials/diffuse_bsdf.h"
+#include "holotrace/trace/materials/filter_bsdf.h"
 #include "holotrace/trace/materials/lobe.h"
 #include "holotrace/trace/materials/measured_bsdf.h"
 #include "holotrace/trace/materials/metallic_roughness_bsdf.h"
@@ -27,7 +28,7 @@
 namespace holotrace {
 
 using Bsdf = std::variant<DiffuseBsdf, ConductorBsdf, DielectricBsdf, MetallicRoughnessBsdf, PrincipledBsdf,
-                          MeasuredBsdf, ScatteringBsdf>;
+                          MeasuredBsdf, ScatteringBsdf, FilterBsdf>;
 
 /// The BSDF of a material at a point whose normal map has been applied (shading_point).
 ///
@@ -81,7 +82,7 @@ SurfacePoint shading_point(const Material& material, const SurfacePoint& point);
 /// DiffuseBsdf of it.
 std::optional<Vec3> diffuse_reflectance(const Material& material, const SurfacePoint& point, const Lines& lines);
 
-/// Whether a surface is thin glass, which transmits light straight on.
+/// Whether a surface is thin glass or a filter, which transmits light straight on.
 bool is_pane(const Material& material);
 
 /// The refractive index of a solid that light enters by this surface; nullptr for any other surface.

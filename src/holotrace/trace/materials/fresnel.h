@@ -90,6 +90,12 @@ inline double transmission_phase(double cosine, std::complex<double> index) {
   return -std::arg(cosine + far_normal_component(cosine, index));
 }
 
+/// The index of a dielectric with that F₀ in air; F₀ of a perfect metal counts as slightly lower.
+inline double index_of_f0(double f0) {
+  const double r = std::sqrt(std::fmin(f0, 0.9999));
+  return (1 + r) / (1 - r);
+}
+
 /// (1 − cosθ)⁵, the weight of white in Schlick's reflectance F₀ + (1 − F₀)(1 − cosθ)⁵ (Comput. Graph. Forum 13, 233,
 /// 1994).
 inline double schlick_weight(double cosine) {

@@ -31,12 +31,6 @@ Vec3 colour_at(const TexturedColour& c, const SurfacePoint& point) { return c.va
 
 double f0_of_index(double n) { return (n - 1) * (n - 1) / ((n + 1) * (n + 1)); }
 
-/// The index of a dielectric with that F₀ in air; F₀ of a perfect metal counts as slightly lower.
-double index_of_f0(double f0) {
-  const double r = std::sqrt(std::fmin(f0, 0.9999));
-  return (1 + r) / (1 - r);
-}
-
 template <class F>
 Vec3 for_lines(const F& f) {
   return {f(size_t(0)), f(size_t(1)), f(size_t(2))};

@@ -102,6 +102,24 @@ double density_from(const Ray& ray, std::span<const SpecularVertex> chain, const
   return length(cross(changes[0].place, changes[1].place)) / length(size);
 }
 
+/// The surfaces of a chain from the lamp, whose light leaves along `first` and arrives along `last`.
+std::vector<CausticLight::Turn> turns_of(std::span<const SpecularVertex> chain, Vec3 last, Vec3 first) {
+  std::vector<CausticLight::Turn> turns;
+  Vec3 outgoing = last;
+  for (size_t k = chain.size(); k-- > 0;) {
+    SurfacePoint point = chain[k].point;  // as seen from the lamp
+    if (chain[k].is_transmission) {
+      point.normal = -point.normal;
+      point.geometric_normal = -point.geometric_normal;
+      point.is_front = !point.is_front;
+    }
+    const Vec3 before = k > 0 ? normalize(point.position - chain[k - 1].point.position) : first;
+    turns.push_back({point, outgoing, -before});
+    outgoing = before;
+  }
+  return turns;
+}
+
 /// Calls add(light, chain) for each light of caustic_light.
 /// @param veils  drawn, or passed: the density of a way is that before they are drawn
 template <class Add>
@@ -172,6 +190,7 @@ void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by
                          dot(first - ray.origin, ray.direction);
       one.phase = way.phase - Vec3{1, 1, 1} * (0.5 * pi * count_focal_lines(from, *arrival, place));
     }
+    if (scene.detector) one.turns = turns_of(way.chain, end->direction, ray.direction);
     add(one, way.chain);
     arrivals.push_back(std::move(*arrival));
   });

@@ -22,6 +22,13 @@ struct CausticLight {
   double optical_path = 0;  ///< Σ n·d from the lamp to the place; for a beam, from the plane through its position [m]
   double index = 1;         ///< refractive index of the medium at the place
   Vec3 phase;               ///< that the surfaces add at the lines [rad], and −π/2 for each focal line on the way
+
+  /// A surface of the chain, and its directions toward the place and toward the lamp.
+  struct Turn {
+    SurfacePoint point;
+    Vec3 outgoing, incoming;
+  };
+  std::vector<Turn> turns{};  ///< from the place to the lamp, if polarization is followed; else empty
 };
 
 /// A light of the scene, and a place of it if it has an area.

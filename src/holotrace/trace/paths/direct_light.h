@@ -5,6 +5,7 @@
 #include <bit>
 #include <numeric>
 #include <optional>
+#include <type_traits>
 
 #include "holotrace/trace/lights/light.h"
 #include "holotrace/trace/materials/bsdf.h"
@@ -180,8 +181,31 @@ class DirectLight {
     bool is_shared;                ///< the path can also meet the light
     const Light* light = nullptr;  ///< none: meshes, or the environment
   };
+  struct NoRows {};
+  /// What the detector sees of light that arrives at the surface.
+  struct Rows {
+    StokesRow diffuse, glossy;
+  };
   struct Reflected {
     Vec3 diffuse, glossy;
+    [[no_unique_address]] std::conditional_t<Sink::follows_polarization, Rows, NoRows> rows{};
+
+    /// The light has passed or met a surface before, from `incoming` toward `outgoing`.
+    void pass(const Bsdf& bsdf, Vec3 outgoing, Vec3 incoming) {
+      if constexpr (Sink::follows_polarization) {
+        const PolarizationChange change = polarization_of(bsdf, outgoing, incoming, Lobe::specular);
+        rows.diffuse.pass(change, outgoing);
+        rows.glossy.pass(change, outgoing);
+      }
+    }
+    Vec3 seen_diffuse() const {
+      if constexpr (Sink::follows_polarization) return diffuse * rows.diffuse.of_unpolarised();
+      return diffuse;
+    }
+    Vec3 seen_glossy() const {
+      if constexpr (Sink::follows_polarization) return glossy * rows.glossy.of_unpolarised();
+      return glossy;
+    }
   };
 
   /// False if no path group accepts light of this surface.
@@ -244,9 +268,13 @@ class DirectLight {
         caustic_light(scene_, at.point, lit_by, scene_.params.max_depth - at.depth, Sink::follows_phase, counts_);
     for (size_t i = 0; i < ways.size(); ++i) {
       const CausticLight& way = ways[i];
-      const auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.radiance, .pdf = way.pdf},
-                                     Arrival{light.is_shared, true}, weight);
+      auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.radiance, .pdf = way.pdf},
+                               Arrival{light.is_shared, true}, weight);
       if (!reflected) continue;
+      if constexpr (Sink::follows_polarization)
+        for (const CausticLight::Turn& turn : way.turns)
+          reflected->pass(make_bsdf(material_at(scene_.scene, turn.point), turn.point, scene_.lines), turn.outgoing,
+                          turn.incoming);
       add_behind(way.surfaces, light.group, *reflected);
       if constexpr (Sink::follows_phase) {
         std::optional<double> path;
@@ -261,8 +289,9 @@ class DirectLight {
 
   /// Adds light that has met so many mirrors, panes and glass surfaces on its way.
   void add_behind(int surfaces, int group, const Reflected& light) {
-    if (const auto groups = path_groups_behind(surfaces, diffuse_state_)) sink_.add(groups, group, light.diffuse);
-    if (const auto groups = path_groups_behind(surfaces, glossy_state_)) sink_.add(groups, group, light.glossy);
+    if (const auto groups = path_groups_behind(surfaces, diffuse_state_))
+      sink_.add(groups, group, light.seen_diffuse());
+    if (const auto groups = path_groups_behind(surfaces, glossy_state_)) sink_.add(groups, group, light.seen_glossy());
   }
 
   struct MirroredLight {
@@ -292,7 +321,10 @@ class DirectLight {
     if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
     const Vec3 passed = back->weight * scene_.accelerator.transmittance(ray, hit->distance) *
                         scene_.accelerator.transmittance(onward, left);
-    add_behind(1, mirrored.group, {reflected.diffuse * passed, reflected.glossy * passed});
+    Reflected light = reflected;
+    light.diffuse *= passed, light.glossy *= passed;
+    light.pass(bsdf, -way.direction, back->direction);
+    add_behind(1, mirrored.group, light);
     if constexpr (Sink::follows_phase)
       sink_.end_way(laser_path(mirror.images[size_t(mirrored.group)], sink_.place_of_phase(at.point.position)),
                     {int(mirrored.mirror) + 1, back->phase});
@@ -324,9 +356,14 @@ class DirectLight {
       return at.throughput * f * way.radiance * (weight * way.pdf / (way.pdf * way.pdf + other * other));
     };
     const bool is_behind = arrival.passes_mirrors;
-    const Reflected light{diffuse_path_groups_ || (is_behind && diffuse_state_) ? of_lobe(Lobe::diffuse) : Vec3{},
-                          glossy_path_groups_ || (is_behind && glossy_state_) ? of_lobe(Lobe::glossy) : Vec3{}};
+    Reflected light{diffuse_path_groups_ || (is_behind && diffuse_state_) ? of_lobe(Lobe::diffuse) : Vec3{},
+                    glossy_path_groups_ || (is_behind && glossy_state_) ? of_lobe(Lobe::glossy) : Vec3{}};
     if (is_black(light.diffuse) && is_black(light.glossy)) return std::nullopt;
+    if constexpr (Sink::follows_polarization) {
+      light.rows = {sink_.seen, sink_.seen};
+      light.rows.diffuse.pass({}, at.outgoing);
+      light.rows.glossy.pass(polarization_of(bsdf, at.outgoing, way.direction, Lobe::glossy), at.outgoing);
+    }
     return light;
   }
 
@@ -335,7 +372,7 @@ class DirectLight {
     uint32_t diffuse_path_groups = diffuse_path_groups_, glossy_path_groups = glossy_path_groups_;
     const ShadowRay ray = shadow_ray(at, way, light);
     if (scene_.accelerator.is_occluded(ray.ray, ray.distance, aim_at(at, light))) {
-      const auto panes = passes_panes(light) ? panes_on(at, way) : std::nullopt;
+      const auto panes = passes_panes(light) ? panes_on(at, way, reflected) : std::nullopt;
       if (!panes) return;
       reflected.diffuse *= panes->share, reflected.glossy *= panes->share;
       diffuse_path_groups = path_groups_behind(panes->count, diffuse_state_);
@@ -345,8 +382,8 @@ class DirectLight {
       const Vec3 passed = scene_.accelerator.transmittance(ray.ray, ray.distance);
       reflected.diffuse *= passed, reflected.glossy *= passed;
     }
-    if (diffuse_path_groups) sink_.add(diffuse_path_groups, light.group, reflected.diffuse);
-    if (glossy_path_groups) sink_.add(glossy_path_groups, light.group, reflected.glossy);
+    if (diffuse_path_groups) sink_.add(diffuse_path_groups, light.group, reflected.seen_diffuse());
+    if (glossy_path_groups) sink_.add(glossy_path_groups, light.group, reflected.seen_glossy());
     if constexpr (Sink::follows_phase)
       sink_.end_way(light.light ? laser_path(*light.light, sink_.place_of_phase(at.point.position)) : std::nullopt, {});
   }
@@ -496,7 +533,7 @@ class DirectLight {
     Vec3 share{1, 1, 1};  // fraction of the light that they transmit
   };
 
-  std::optional<Panes> panes_on(const PathVertex& at, const LightSample& way) {
+  std::optional<Panes> panes_on(const PathVertex& at, const LightSample& way, Reflected& light) {
     Ray ray{scene_.accelerator.leave(at.point, way.direction), way.direction};
     double left = way.distance - 2 * at.point.clearance;  // as in shadow_ray
     for (Panes panes; at.depth + panes.count <= scene_.params.max_depth; ++panes.count) {
@@ -512,6 +549,7 @@ class DirectLight {
           std::find_if(branches.ways.begin(), last, [](const BsdfSample& branch) { return branch.is_transmission; });
       if (straight == last) return std::nullopt;
       panes.share *= straight->weight;
+      light.pass(pane, -way.direction, way.direction);
       const Vec3 next = scene_.accelerator.leave(hit->point, way.direction);
       left -= dot(next - ray.origin, way.direction);
       ray.origin = next;

@@ -26,7 +26,7 @@ double line_of(Vec3 v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y :
 /// Records the optical path along a light path and keeps laser light apart from other light.
 class PhasorSink {
  public:
-  static constexpr bool follows_phase = true, is_by_path = false;
+  static constexpr bool follows_phase = true, follows_polarization = false, is_by_path = false;
 
   PhasorSink(const PathScene& scene, int paths, std::span<Phasors> sums)
       : scene_(scene), paths_(paths), sums_(sums), way_(sums.size()), incoherent_(sums.size()) {}

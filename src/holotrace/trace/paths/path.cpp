@@ -188,7 +188,7 @@ class GroupWalk {
 
 /// Adds light to its sums, and to `whole`, in which each light counts once.
 struct RadianceSink {
-  static constexpr bool follows_phase = false, is_by_path = false;
+  static constexpr bool follows_phase = false, is_by_path = false, follows_polarization = false;
   std::span<Vec3> sums;
   int path_groups;
   bool is_by_light;
@@ -205,7 +205,7 @@ struct RadianceSink {
 
 /// Adds light to that of its path, once for each path group that accepts it.
 struct PathLightSink {
-  static constexpr bool follows_phase = false, is_by_path = true;
+  static constexpr bool follows_phase = false, is_by_path = true, follows_polarization = false;
   std::array<Vec3, most_together> lights{};
   uint32_t path = 0;
 
@@ -214,13 +214,21 @@ struct PathLightSink {
   void end_way(std::optional<double>, const MirrorOnWay&) {}
 };
 
+/// Adds what a detector sees of polarised light.
+struct StokesSink : RadianceSink {
+  static constexpr bool follows_polarization = true;
+  StokesRow seen{};
+};
+
 RadianceSink make_sink(const PathScene& scene, std::span<Vec3> sums) {
   return {sums, scene.automaton.path_groups(), scene.params.separate_lights};
 }
 
-/// Whether paths may be followed as a group: without a clamp, which limits what a path finds in all, and with lights sampled at each
-/// surface.
-bool fits_groups(const PathParams& params) { return params.clamp <= 0 && !params.asks_at_end; }
+/// Whether paths may be followed as a group: without a clamp, which limits what a path finds in all, with lights sampled at each
+/// surface, and without polarization.
+bool fits_groups(const PathScene& scene) {
+  return scene.params.clamp <= 0 && !scene.params.asks_at_end && !scene.detector;
+}
 
 /// The fraction of light of this strength that a clamp keeps.
 double let_through(double light, double clamp) { return light > clamp ? clamp / light : 1; }
@@ -230,18 +238,22 @@ template <class Begin>
 void follow_one(const PathScene& scene, LowDiscrepancy& numbers, std::span<Vec3> sums, PathCounts& counts,
                 const Begin& begin) {
   const double clamp = scene.params.clamp;
-  if (clamp <= 0) {
-    RadianceSink sink = make_sink(scene, sums);
+  // The light of the path, all of it together.
+  const auto follow_with = [&](auto sink) {
     PathWalk walk(scene, sink, counts);
     if (begin(walk)) walk.go_on(numbers);
+    return sink.whole;
+  };
+  const auto follow = [&](std::span<Vec3> into) {
+    return scene.detector ? follow_with(StokesSink{make_sink(scene, into)}) : follow_with(make_sink(scene, into));
+  };
+  if (clamp <= 0) {
+    follow(sums);
     return;
   }
   std::vector<Vec3> path(sums.size());
-  RadianceSink sink = make_sink(scene, path);
-  PathWalk walk(scene, sink, counts);
-  if (begin(walk)) walk.go_on(numbers);
-  const Vec3 scale{let_through(sink.whole.x, clamp), let_through(sink.whole.y, clamp),
-                   let_through(sink.whole.z, clamp)};
+  const Vec3 whole = follow(path);
+  const Vec3 scale{let_through(whole.x, clamp), let_through(whole.y, clamp), let_through(whole.z, clamp)};
   counts.clamped += scale != Vec3{1, 1, 1};
   for (size_t i = 0; i < sums.size(); ++i) sums[i] += path[i] * scale;
 }
@@ -314,7 +326,7 @@ uint32_t find_radiance(const PathScene& scene, std::span<const NumberedRay> rays
           "expected at most {} rays that are followed together, and as many places for their light, got {} and {}",
           most_together, rays.size(), lights.size());
   if (rays.empty()) return 0;
-  if (fits_groups(scene.params)) {
+  if (fits_groups(scene)) {
     PathLightSink sink;
     GroupWalk group(scene, sink, counts, numbers, dimension);
     const uint32_t misses = group.begin(rays);
@@ -339,14 +351,14 @@ void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, P
                       std::span<Vec3> sums) {
   RadianceSink sink = make_sink(scene, sums);
   PathCounts unused;
-  PathWalk(scene, sink, unused).add_light_on_way(ray, distance, state, 0, {1, 1, 1});
+  PathWalk(scene, sink, unused).add_light_on_way(ray, distance, state, 0, Vec3{1, 1, 1} * scene.share_of_unpolarised());
 }
 
 void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
                    PathCounts& counts) {
   std::fill(sums.begin(), sums.end(), Vec3{});
   LowDiscrepancy numbers(scene.params.seed, 0, sample);
-  if (start.point.light < 0 && fits_groups(scene.params)) {
+  if (start.point.light < 0 && fits_groups(scene)) {
     // Lights are sampled at the start for all paths together.
     RadianceSink sink = make_sink(scene, sums);
     const auto common = PathWalk(scene, sink, counts).add_direct_light_at_start(start, paths, numbers);

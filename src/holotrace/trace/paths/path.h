@@ -3,6 +3,7 @@
 #include <array>
 #include <complex>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "holotrace/base/low_discrepancy.h"
@@ -10,6 +11,7 @@
 #include "holotrace/base/vec.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/trace/materials/lobe.h"
+#include "holotrace/trace/materials/polarization.h"
 #include "holotrace/trace/paths/path_scene.h"
 
 namespace holotrace {
@@ -48,6 +50,8 @@ struct PathStart {
   double index = 1;                ///< refractive index of the medium before the surface
   Vec3 phase_move{};               ///< from `point` to the place of the surface at which the phase is evaluated [m]
   Aim aim = Aim::exact;            ///< how the ray to the point was chosen
+  /// What the detector sees of light that leaves along `outgoing`, if mirrors, glass or filters are on the way; else that of the scene.
+  std::optional<StokesRow> seen{};
 };
 
 /// Adds the radiance that one light path finds leaving `start.point` along `start.outgoing`, at the lines
@@ -80,6 +84,9 @@ struct PathStart {
 ///
 /// Clamp: the light that all path groups together receive from the path, each light counted once, is limited to `clamp`
 /// at each line, and the sums shrink in proportion.
+///
+/// With polarization (PathScene::detector), L is what the detector sees: each contribution is multiplied by the row of its path
+/// (polarization.h) for unpolarised sources. Directions and roulette are drawn by the whole light, as without it.
 ///
 /// Cost: per surface one ray, and one shadow ray for each light that may reach it; where a caustic may lie, 10 to 20 µs more.
 ///

@@ -118,6 +118,14 @@ static Lines lines_for(const Scene& scene, Lines lines) {
   return lines;
 }
 
+/// Filters need polarization, with or without an analyser.
+static std::optional<StokesVector> detector_of(const Scene& scene) {
+  const bool has_filters = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
+    return std::holds_alternative<FilterMaterial>(scene.materials[size_t(mesh.material)].surface);
+  });
+  return scene.analyser || !has_filters ? scene.analyser : std::optional(all_light);
+}
+
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
@@ -125,6 +133,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines_for(scene, lines)),
+      detector(detector_of(scene)),
       params(params),
       rectangles(scene.lights.size()),
       mirrors(flat_mirrors(scene, emitters.lights(), lines)),

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "holotrace/data/params/path_tracing.h"
 #include "holotrace/data/path_expression.h"
+#include "holotrace/data/polarization.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/lights/emitters.h"
@@ -59,6 +61,7 @@ struct PathScene {
   Emitters emitters;
   PathAutomaton automaton;  ///< automaton of the path groups
   Lines lines;
+  std::optional<StokesVector> detector;  ///< what is seen of polarised light; none: light has no polarization
   PathParams params;
   std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
   std::vector<FlatMirror> mirrors;     ///< that reflect the light of lights which no ray can meet
@@ -73,6 +76,9 @@ struct PathScene {
   /// Number of sums that paths make: one per path group and, with separate lights, per light group. Sum
   /// g·path_groups + l is that of path group l and light group g.
   int sums() const { return automaton.path_groups() * (params.separate_lights ? emitters.groups() : 1); }
+
+  /// What the viewer sees of unpolarised light that meets nothing on its way.
+  double share_of_unpolarised() const { return detector ? (*detector)[0] : 1; }
 };
 
 }  // namespace holotrace

@@ -21,6 +21,8 @@
 //   end_way(laser_path, reflection)            all light of one contribution was added; for a laser: its optical path
 //                                              from there to the surface, else none; mirrors and glass on that way
 //   start(start), scatter(point, sample), travel(distance)   the path begins, leaves a surface, reaches the next one
+//   static constexpr bool follows_polarization  whether `seen` is there: the row of the path (StokesRow), which the walk changes;
+//                                              light is then what the detector sees
 //   place_of_phase(point)                      place on that surface at which the phase of light is evaluated
 
 namespace holotrace {
@@ -53,6 +55,8 @@ class PathWalk {
   void set_start(const PathStart& start) {
     point_ = start.point;
     set_first(start.state, start.outgoing, start.depth, start.aim);
+    if constexpr (Sink::follows_polarization)
+      if (start.seen) sink_.seen = *start.seen;
   }
 
   /// Goes to the first surface on a ray of a camera, to begin there; false if there is none.
@@ -199,6 +203,7 @@ class PathWalk {
     pdf_ = distance_ = 0;
     last_scatter_.pdf = 0;
     is_counted_ = true;
+    if constexpr (Sink::follows_polarization) sink_.seen = row_of(*scene_.detector, outgoing);
   }
 
   /// Counts the surface that the path has reached, and adds what it emits.
@@ -211,6 +216,7 @@ class PathWalk {
 
   void add_met(uint32_t path_groups, int group, Vec3 light) {
     if (is_black(light)) return;
+    if constexpr (Sink::follows_polarization) light *= sink_.seen.of_unpolarised();
     sink_.add(path_groups, group, light);
     sink_.end_way(std::nullopt, {});
   }
@@ -281,6 +287,8 @@ class PathWalk {
       return std::nullopt;
     }
     throughput_ *= 1 / goes_on;
+    if constexpr (Sink::follows_polarization)
+      sink_.seen.pass(polarization_of(bsdf, outgoing_, next->direction, next->lobe), outgoing_);
     return next;
   }
 

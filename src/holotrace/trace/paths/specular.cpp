@@ -191,6 +191,8 @@ struct Walk {
       const double beyond = vertex.index_after();
       if (max_component(next.weight) * beyond * beyond < least_weight) continue;
       next.phase = leaf.phase + way.phase;
+      if (next.start.seen)
+        next.start.seen->pass(polarization_of(bsdf, -ray.direction, way.direction, Lobe::specular), -ray.direction);
       next.start.state = scene.automaton.step(leaf.start.state, PathEvent::specular);
       if (scene.automaton.is_dead(next.start.state)) continue;
       next.chain.push_back(vertex);
@@ -205,6 +207,7 @@ Walk walk(const PathScene& scene, const Ray& ray, const SpecularLeaf* guide, Pat
   Walk w{scene, ray, guide, counts};
   SpecularLeaf root;
   root.start.state = scene.automaton.start();
+  if (scene.detector) root.start.seen = row_of(*scene.detector, -ray.direction);
   w.follow(ray, 1, root);
   return w;
 }

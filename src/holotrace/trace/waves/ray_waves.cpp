@@ -36,6 +36,7 @@ void add_known_light(const PathScene& scene, const SpecularLeaf& leaf, std::vect
       radiance = emitters.background(-start.outgoing);
       break;
   }
+  radiance *= start.seen ? start.seen->of_unpolarised() : Vec3{1, 1, 1} * scene.share_of_unpolarised();
   const int path_groups = scene.automaton.path_groups();
   for (int path_group = 0; path_group < path_groups; ++path_group)
     if (scene.automaton.accepted(start.state) >> path_group & 1)
@@ -193,7 +194,7 @@ std::optional<SeenLight> light_toward(const PathScene& scene, const TraceParams&
     const Ray ray = scene.accelerator.from_viewer({place, back});
     auto found = follow_like(scene, ray, model, counts);
     if (!found || !shows_the_same(scene, *found, model, ray)) return std::nullopt;
-    if (wave.is_diffuse) return SeenLight{std::nullopt, found->weight};
+    if (wave.is_diffuse && !scene.detector) return SeenLight{std::nullopt, found->weight};
     leaf = std::move(*found);
   }
   return SeenLight{light_from(scene, params, leaf, sample, counts), leaf.weight};
