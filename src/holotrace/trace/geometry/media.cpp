@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -44,8 +46,57 @@ Vec3 passed(Vec3 extinction, double length) {
   return {of(extinction.x), of(extinction.y), of(extinction.z)};
 }
 
+/// A mesh whose vertices at one place, up to 1e-6 of its size, are one.
+struct Welded {
+  std::vector<Vec3> places;
+  std::vector<uint32_t> number;  // of the place of each vertex
+  size_t open_edges = 0;         // that do not belong to two triangles of opposite sense
+};
+
+Welded weld(const Mesh& mesh) {
+  Box bounds;
+  for (const Vec3& p : mesh.positions) bounds.include(p);
+  const double quantum = std::max(1e-6 * length(bounds.high - bounds.low), 1e-300);
+  Welded welded;
+  std::map<std::array<int64_t, 3>, uint32_t> places;
+  for (const Vec3& p : mesh.positions) {
+    // The offset keeps the round numbers at which models place vertices away from where rounding decides.
+    const auto cell = [&](double v) { return int64_t(std::floor(v / quantum + 0.382)); };
+    const Vec3 q = p - bounds.low;
+    const auto [place, is_new] =
+        places.emplace(std::array{cell(q.x), cell(q.y), cell(q.z)}, uint32_t(welded.places.size()));
+    if (is_new) welded.places.push_back(p);
+    welded.number.push_back(place->second);
+  }
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;
+  for (const auto& triangle : mesh.triangles)
+    for (size_t n = 0; n < 3; ++n) {
+      const uint32_t a = welded.number[triangle[n]], b = welded.number[triangle[(n + 1) % 3]];
+      if (a != b) edges[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  welded.open_edges =
+      size_t(std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 0; }));
+  return welded;
+}
+
+/// The volume of a closed mesh, whichever way its faces are turned [m³].
+double volume_of(const Mesh& mesh, const Welded& welded) {
+  const Vec3 from = welded.places.front();
+  double sum = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const auto corner = [&](uint32_t vertex) { return welded.places[welded.number[vertex]] - from; };
+    sum += dot(corner(i), cross(corner(j), corner(k))) / 6;
+  }
+  return std::abs(sum);
+}
+
+double volume_of(const Box& box) {
+  const Vec3 size = box.high - box.low;
+  return size.x * size.y * size.z;
+}
+
 /// The part [from, to] of a ray in a box; empty if from ≥ to.
-std::pair<double, double> part_in(const MediumBox& box, const Ray& ray) {
+std::pair<double, double> part_in(const Box& box, const Ray& ray) {
   double from = -unending, to = unending;
   const auto cut = [&](double low, double high, double origin, double direction) {
     if (direction == 0) {
@@ -60,32 +111,6 @@ std::pair<double, double> part_in(const MediumBox& box, const Ray& ray) {
   cut(box.low.y, box.high.y, ray.origin.y, ray.direction.y);
   cut(box.low.z, box.high.z, ray.origin.z, ray.direction.z);
   return {from, to};
-}
-
-/// Number of edges of a mesh that do not belong to two triangles of opposite sense. Vertices at one place count as one.
-size_t open_edges(const Mesh& mesh) {
-  Vec3 low = mesh.positions.front(), high = low;
-  for (const Vec3& p : mesh.positions) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const double quantum = std::max(1e-6 * length(high - low), 1e-300);
-  std::map<std::array<int64_t, 3>, uint32_t> places;
-  std::vector<uint32_t> number;
-  for (const Vec3& p : mesh.positions) {
-    // The offset keeps the round numbers at which models place vertices away from where rounding decides.
-    const auto cell = [&](double v) { return int64_t(std::floor(v / quantum + 0.382)); };
-    const Vec3 q = p - low;
-    number.push_back(
-        places.emplace(std::array{cell(q.x), cell(q.y), cell(q.z)}, uint32_t(places.size())).first->second);
-  }
-  std::map<std::pair<uint32_t, uint32_t>, int> edges;
-  for (const auto& triangle : mesh.triangles)
-    for (size_t n = 0; n < 3; ++n) {
-      const uint32_t a = number[triangle[n]], b = number[triangle[(n + 1) % 3]];
-      if (a != b) edges[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  return size_t(std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 0; }));
 }
 
 /// The layers around a solid that light enters, if a mesh bounds one.
@@ -134,6 +159,68 @@ void check_cells(const Medium& medium, const Cells& cells, const char* what, con
                                     [&](float value) { return value >= 0 && value <= most; });
   require(bad == grid.values.end(), "expected finite {} of the medium \"{}\", got {}", range, medium.name,
           bad == grid.values.end() ? 0 : *bad);
+}
+
+/// What a region is bounded by.
+struct Boundary {
+  int medium;  // −1: empty
+  Box box;     // without a mesh
+  const Mesh* mesh = nullptr;
+  Welded welded{};
+};
+
+/// The box of a medium without a mesh: all space behind the panel, if it has none of its own.
+Box box_of(const Medium& medium) {
+  if (!medium.box) return {{-unending, -unending, -unending}, {unending, unending, 0}};
+  const auto& [low, high] = *medium.box;
+  require(!(low.z < 0 && high.z > 0),
+          "expected the box of the medium \"{}\" on one side of the panel, got one from z = {} to {}; let it end at "
+          "z = 0",
+          medium.name, format_length(low.z), format_length(high.z));
+  return {low, high};
+}
+
+void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges) {
+  require(open_edges == 0,
+          "expected a closed mesh around the medium \"{}\", got the mesh \"{}\" with {} open edges; close it, or "
+          "fill a box",
+          medium.name, mesh.name, open_edges);
+  const auto [back, front] = std::minmax_element(mesh.positions.begin(), mesh.positions.end(),
+                                                 [](const Vec3& a, const Vec3& b) { return a.z < b.z; });
+  require(!(back->z < 0 && front->z > 0),
+          "expected the mesh \"{}\" with the medium \"{}\" on one side of the panel, got one from z = {} to {}; "
+          "move it behind the panel",
+          mesh.name, medium.name, format_length(back->z), format_length(front->z));
+}
+
+/// The boundaries of a scene in the order in which they count: meshes before boxes, smaller before larger ones, and of two that are
+/// as large one with a medium before an empty one.
+std::vector<Boundary> boundaries_of(const Scene& scene) {
+  std::vector<Boundary> all;
+  const Medium* everywhere = nullptr;
+  for (size_t i = 0; i < scene.media.size(); ++i) {
+    const Medium& medium = scene.media[i];
+    if (!medium.is_open) continue;
+    if (!medium.box) {
+      require(!everywhere, "expected one medium without a box that fills the whole scene, got \"{}\" and \"{}\"",
+              everywhere ? everywhere->name : "", medium.name);
+      everywhere = &medium;
+    }
+    all.push_back({int(i), box_of(medium)});
+  }
+  for (const Mesh& mesh : scene.meshes) {
+    const Material& material = scene.materials[size_t(mesh.material)];
+    if (mesh.triangles.empty() || (material.medium < 0 && !is_solid(material))) continue;
+    Welded welded = weld(mesh);
+    if (material.medium >= 0) check_mesh_around(scene.media[size_t(material.medium)], mesh, welded.open_edges);
+    all.push_back({material.medium, {}, &mesh, std::move(welded)});
+  }
+  // In single precision volumes do not differ by rounding.
+  const auto rank = [](const Boundary& b) {
+    return std::tuple(!b.mesh, float(b.mesh ? volume_of(*b.mesh, b.welded) : volume_of(b.box)), b.medium < 0);
+  };
+  std::stable_sort(all.begin(), all.end(), [&](const Boundary& a, const Boundary& b) { return rank(a) < rank(b); });
+  return all;
 }
 
 }  // namespace
@@ -236,114 +323,77 @@ Media::Media(const Scene& scene, const Lines& lines) : lines_(lines) {
     const Grid* grid = grid_of(medium.density);
     kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid, only_absorbs(scene, medium),
                       grid_of(medium.temperature)});
-    if (!medium.is_open) continue;
-    const int index = int(kinds_.size()) - 1;
-    if (!medium.box) {
-      require(everywhere_ < 0, "expected one medium without a box that fills the whole scene, got \"{}\" and \"{}\"",
-              scene.media[size_t(std::max(everywhere_, 0))].name, medium.name);
-      everywhere_ = index;
+  }
+  std::vector<BoundaryFace> faces;
+  for (const Boundary& boundary : boundaries_of(scene)) {
+    const int region = int(regions_.size());
+    int medium = boundary.medium;
+    const Material* material = boundary.mesh ? &scene.materials[size_t(boundary.mesh->material)] : nullptr;
+    if (material && absorbs(*material)) {
+      medium = int(kinds_.size());
+      kinds_.push_back({absorption_of(*layers_of_solid(*material), lines), -1, nullptr, true});
+    }
+    regions_.push_back({medium, boundary.welded.open_edges > 0});
+    if (!boundary.mesh) {
+      boxes_.emplace_back(region, boundary.box);
+      front_ = std::max(front_, boundary.box.high.z);
       continue;
     }
-    require(!(medium.box->low.z < 0 && medium.box->high.z > 0),
-            "expected the box of the medium \"{}\" on one side of the panel, got one from z = {} to {}; let it end at "
-            "z = 0",
-            medium.name, format_length(medium.box->low.z), format_length(medium.box->high.z));
-    front_ = std::max(front_, medium.box->high.z);
-    boxes_.push_back({index, *medium.box});
+    const auto corner = [&](uint32_t vertex) { return boundary.welded.places[boundary.welded.number[vertex]]; };
+    for (const auto& [i, j, k] : boundary.mesh->triangles) faces.push_back({{corner(i), corner(j), corner(k)}, region});
   }
-  bounding_.materials.emplace_back(DiffuseMaterial{});
-  for (const Mesh& mesh : scene.meshes) {
-    const Material& material = scene.materials[size_t(mesh.material)];
-    if (material.medium < 0 && !is_solid(material)) continue;
-    if (material.medium >= 0) {
-      const std::string& name = scene.media[size_t(material.medium)].name;
-      const size_t open = open_edges(mesh);
-      require(open == 0,
-              "expected a closed mesh around the medium \"{}\", got the mesh \"{}\" with {} open edges; close it, or "
-              "fill a box",
-              name, mesh.name, open);
-      const auto [back, front] = std::minmax_element(mesh.positions.begin(), mesh.positions.end(),
-                                                     [](const Vec3& a, const Vec3& b) { return a.z < b.z; });
-      require(!(back->z < 0 && front->z > 0),
-              "expected the mesh \"{}\" with the medium \"{}\" on one side of the panel, got one from z = {} to {}; "
-              "move it behind the panel",
-              mesh.name, name, format_length(back->z), format_length(front->z));
-    }
-    of_mesh_.push_back(absorbs(material) ? int(kinds_.size()) : material.medium);
-    if (absorbs(material)) kinds_.push_back({absorption_of(*layers_of_solid(material), lines), -1, nullptr, true});
-    Mesh& copy = bounding_.meshes.emplace_back();
-    copy.positions = mesh.positions;
-    copy.triangles = mesh.triangles;
-  }
-  if (!bounding_.meshes.empty()) boundaries_ = std::make_unique<Accelerator>(bounding_);
+  if (!faces.empty()) faces_ = std::make_unique<FaceCrossings>(std::move(faces));
 }
 
 Media::~Media() = default;
 
 void Media::find_segments(const Ray& ray, double end, Segments& segments) const {
-  const auto add = [&](double from, double to, int medium) {
-    from = std::max(from, 0.0);
-    to = std::min(to, end);
-    if (from < to && medium >= 0 && segments.count < segments.list.size())
-      segments.list[segments.count++] = {from, to, medium};
-  };
-  if (!boundaries_ && boxes_.empty()) return add(0, unending, everywhere_);
-
-  struct Crossing {
-    double distance;
-    int region;  // meshes, then boxes
-    bool enters;
-  };
-  std::array<Crossing, most_crossings> crossings;
-  size_t count = 0;
-  const int meshes = int(of_mesh_.size());
-  for (size_t b = 0; b < boxes_.size() && count + 2 <= most_crossings; ++b) {
-    const auto [from, to] = part_in(boxes_[b].box, ray);
+  std::pmr::vector<Crossing> crossings(&segments.resource);
+  crossings.reserve(16);
+  for (const auto& [region, box] : boxes_) {
+    const auto [from, to] = part_in(box, ray);
     if (!(from < to) || to <= 0) continue;
-    if (from > 0) crossings[count++] = {from, meshes + int(b), true};
-    crossings[count++] = {to, meshes + int(b), false};
+    if (from > 0) crossings.push_back({from, region, 1});
+    crossings.push_back({to, region, -1});
   }
-  if (boundaries_) {
-    Ray rest = ray;
-    for (Hit hit; count < most_crossings && boundaries_->closest_hit(rest, hit);) {
-      const double distance = dot(hit.point.position - ray.origin, ray.direction);
-      crossings[count++] = {distance, int(hit.point.mesh), hit.point.is_front};
-      rest.origin = boundaries_->leave(hit.point, ray.direction);
-    }
-  }
-  std::sort(crossings.begin(), crossings.begin() + ptrdiff_t(count),
+  if (faces_) faces_->find(ray, crossings);
+  std::sort(crossings.begin(), crossings.end(),
             [](const Crossing& a, const Crossing& b) { return a.distance < b.distance; });
+  for (auto c = crossings.begin(); c != crossings.end(); ++c) {
+    if (!regions_[size_t(c->region)].has_holes) continue;
+    const auto is_same = [&](const Crossing& other) { return other.region == c->region; };
+    const auto next = std::find_if(c + 1, crossings.end(), is_same);
+    const auto before = std::find_if(std::reverse_iterator(c), crossings.rend(), is_same);
+    const bool is_paired =
+        c->step > 0 ? next != crossings.end() && next->step < 0 : before == crossings.rend() || before->step > 0;
+    if (!is_paired) c->step = 0;
+  }
 
-  // Inside of what the ray starts: what it leaves without having entered it; what it leaves last was entered first.
-  std::array<int, 2 * most_crossings> inside;
-  size_t depth = 0;
-  for (size_t n = count; n-- > 0;) {
-    const int region = crossings[n].region;
-    const bool is_first = std::none_of(crossings.begin(), crossings.begin() + ptrdiff_t(n),
-                                       [&](const Crossing& other) { return other.region == region; });
-    if (is_first && !crossings[n].enters) inside[depth++] = region;
-  }
-  const auto medium_here = [&] {
-    if (depth == 0) return everywhere_;
-    const int region = inside[depth - 1];
-    return region < meshes ? of_mesh_[size_t(region)] : boxes_[size_t(region - meshes)].medium;
+  // How often each region winds around the place; at first, by how much more often the ray leaves it than it enters it.
+  struct Winding {
+    int region, count;
   };
+  std::pmr::vector<Winding> windings(&segments.resource);
+  windings.reserve(16);
+  const auto count_in = [&](int region) -> int& {
+    const auto found =
+        std::find_if(windings.begin(), windings.end(), [&](const Winding& w) { return w.region == region; });
+    return found != windings.end() ? found->count : windings.emplace_back(Winding{region, 0}).count;
+  };
+  for (const Crossing& c : crossings) count_in(c.region) -= c.step;
+  segments.list.reserve(16);
   double from = 0;
-  for (size_t n = 0; n < count; ++n) {
-    add(from, crossings[n].distance, medium_here());
-    from = crossings[n].distance;
-    if (from >= end) return;
-    const auto last = inside.begin() + ptrdiff_t(depth);
-    const auto found = std::find(inside.begin(), last, crossings[n].region);
-    if (crossings[n].enters && found == last) {
-      inside[depth++] = crossings[n].region;
-    } else if (!crossings[n].enters && found != last) {
-      std::copy(found + 1, last, found);
-      --depth;
-    }
+  for (const Crossing& c : crossings) {
+    const double to = std::min(c.distance, end);
+    int first = int(regions_.size());
+    for (const Winding& w : windings)
+      if (w.count != 0) first = std::min(first, w.region);
+    const int medium = first < int(regions_.size()) ? regions_[size_t(first)].medium : -1;
+    if (from < to && medium >= 0) segments.list.push_back({from, to, medium});
+    if (c.distance >= end) return;
+    count_in(c.region) += c.step;
+    from = c.distance;
   }
-  // Nothing bounds what is beyond, not even a mesh with a hole that the ray has entered.
-  add(from, unending, everywhere_);
 }
 
 /// Calls visit(distance, σ/μ) for each tentative particle of a grid on a segment, until it returns true.
@@ -377,8 +427,8 @@ Media::Flight Media::fly(const Ray& ray, double end, bool surely) const {
   Segments segments;
   find_segments(ray, end, segments);
   Flight flight;
-  if (segments.count == 0) return flight;
-  const auto last = segments.list.begin() + ptrdiff_t(segments.count);
+  if (segments.list.empty()) return flight;
+  const auto last = segments.list.end();
   uint64_t random = numbers_of(ray, surely ? Purpose::sure_flight : Purpose::flight);
   const int line = std::min(2, int(3 * draw(random)));
   const auto has_grid = [&](const Segment& s) {
@@ -475,21 +525,27 @@ Vec3 Media::transmittance(const Ray& ray, double distance) const {
   find_segments(ray, distance, segments);
   Vec3 share{1, 1, 1};
   uint64_t random = numbers_of(ray, Purpose::transmittance);
-  for (size_t n = 0; n < segments.count; ++n) share *= passed_on(ray, segments.list[n], random);
+  for (const Segment& segment : segments.list) share *= passed_on(ray, segment, random);
   return share;
 }
 
 double Media::reach_of_particles(const ScenePrecision& scene) const {
-  const auto has_particles = [&](int medium) { return medium >= 0 && !kinds_[size_t(medium)].only_absorbs; };
-  if (has_particles(everywhere_)) return unending;
-  double reach = std::any_of(of_mesh_.begin(), of_mesh_.end(), has_particles) ? scene.radius : 0;
-  for (const auto& [medium, box] : boxes_) {
+  double reach = 0;
+  for (int region = 0; region < int(regions_.size()); ++region) {
+    const int medium = regions_[size_t(region)].medium;
+    if (medium < 0 || kinds_[size_t(medium)].only_absorbs) continue;
+    const auto found = std::find_if(boxes_.begin(), boxes_.end(), [&](const auto& box) { return box.first == region; });
+    if (found == boxes_.end()) {
+      reach = std::max(reach, scene.radius);  // a mesh
+      continue;
+    }
+    const Box& box = found->second;
     const auto across = [](double low, double high, double centre) {
       return std::max(std::abs(low - centre), std::abs(high - centre));
     };
     const Vec3 farthest{across(box.low.x, box.high.x, scene.centre.x), across(box.low.y, box.high.y, scene.centre.y),
                         across(box.low.z, box.high.z, scene.centre.z)};
-    if (has_particles(medium)) reach = std::max(reach, length(farthest));
+    reach = std::max(reach, length(farthest));
   }
   return reach;
 }

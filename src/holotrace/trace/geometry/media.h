@@ -1,23 +1,31 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "holotrace/base/vec.h"
 #include "holotrace/data/scene.h"
 #include "holotrace/trace/geometry/accelerator.h"
+#include "holotrace/trace/geometry/box_tree.h"
+#include "holotrace/trace/geometry/face_crossings.h"
 #include "holotrace/trace/shared/ray.h"
 
 namespace holotrace {
 
 /// The media of a scene: where a ray is in which of them, where a particle stops it, and how much light passes.
 ///
-/// **Where.** Closed meshes whose material has a medium, boxes, and one medium for the rest of space. Inside several of them, the
-/// one that the ray entered last counts. Solids without a medium absorb by their attenuation (PrincipledMaterial), or are empty.
-/// Nothing is remembered along a path: all boundaries on the whole line tell where it began.
+/// **Where.** Regions are closed meshes whose material has a medium, solids of glass without one, which absorb by their attenuation (PrincipledMaterial) or are empty, boxes, and one
+/// medium for the rest of space. Where several overlap, meshes come before boxes and boxes before the rest, and a smaller region
+/// before a larger one: so the innermost counts. A place is inside a mesh that winds around it any number of times but 0. Nothing is
+/// remembered along a path. The boundaries on the whole half line tell where it began, since a ray enters a region as often as it
+/// leaves it in the end. Glass without a medium may have holes. Its inside is then what lies between a face that a ray enters, or
+/// the ray's origin, and a face by which it leaves next.
 ///
 /// **Absorption alone.** A medium that neither scatters nor emits has no particles: light is dimmed by its transmittance.
 ///
@@ -75,17 +83,18 @@ class Media {
     const Grid* temperature = nullptr;
   };
   struct Region {
-    int medium;  // −1: empty
-    MediumBox box;
+    int medium;      // −1: empty
+    bool has_holes;  // a mesh that is not closed
   };
   struct Segment {
     double from, to;  // [m]
     int medium;
   };
-  static constexpr size_t most_crossings = 64;  // of one ray; further ones do not count
+  /// Their memory; more is taken from the heap if that is full.
   struct Segments {
-    std::array<Segment, 2 * most_crossings> list;
-    size_t count = 0;
+    std::array<std::byte, 4096> memory;
+    std::pmr::monotonic_buffer_resource resource{memory.data(), memory.size()};
+    std::pmr::vector<Segment> list{&resource};
   };
   struct Flight {
     double distance = 0;  // [m]
@@ -103,11 +112,9 @@ class Media {
   std::vector<Kind> kinds_;                   // of each medium, then of solids that absorb
   std::vector<std::unique_ptr<Grid>> grids_;  // of those that have some
   Lines lines_;
-  std::vector<int> of_mesh_;                 // medium of each mesh of boundaries_
-  Scene bounding_;                           // the meshes that bound media
-  std::unique_ptr<Accelerator> boundaries_;  // nullptr if there are none
-  std::vector<Region> boxes_;
-  int everywhere_ = -1;
+  std::vector<Region> regions_;                 // of several at one place, the first counts
+  std::vector<std::pair<int, Box>> boxes_;      // of regions
+  std::unique_ptr<const FaceCrossings> faces_;  // of the meshes of regions; nullptr: none
   double front_ = 0;
 };
 
