@@ -6,12 +6,14 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/medium_checks.h"
 
 namespace holotrace {
 
@@ -22,8 +24,8 @@ constexpr double unending = std::numeric_limits<double>::infinity();
 /// The start of the random numbers of a ray; others for another purpose.
 enum class Purpose : uint64_t { flight = 1, sure_flight, transmittance };
 
-uint64_t numbers_of(const Ray& ray, Purpose purpose) {
-  uint64_t bits = uint64_t(purpose);
+uint64_t numbers_of(const Ray& ray, Purpose purpose, uint64_t seed) {
+  uint64_t bits = mix(seed) + uint64_t(purpose);
   for (const double number :
        {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z})
     bits = mix(bits + splitmix_step + std::bit_cast<uint64_t>(number));
@@ -130,12 +132,7 @@ struct Boundary {
 /// The box of a medium without a mesh: all space behind the panel, if it has none of its own.
 Box box_of(const Medium& medium) {
   if (!medium.box) return {{-unending, -unending, -unending}, {unending, unending, 0}};
-  const auto& [low, high] = *medium.box;
-  require(!(low.z < 0 && high.z > 0),
-          "expected the box of the medium \"{}\" on one side of the panel, got one from z = {} to {}; let it end at "
-          "z = 0",
-          medium.name, format_length(low.z), format_length(high.z));
-  return {low, high};
+  return {medium.box->low, medium.box->high};
 }
 
 void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges) {
@@ -155,17 +152,8 @@ void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges
 /// as large one with a medium before an empty one.
 std::vector<Boundary> boundaries_of(const Scene& scene) {
   std::vector<Boundary> all;
-  const Medium* everywhere = nullptr;
-  for (size_t i = 0; i < scene.media.size(); ++i) {
-    const Medium& medium = scene.media[i];
-    if (!medium.is_open) continue;
-    if (!medium.box) {
-      require(!everywhere, "expected one medium without a box that fills the whole scene, got \"{}\" and \"{}\"",
-              everywhere ? everywhere->name : "", medium.name);
-      everywhere = &medium;
-    }
-    all.push_back({int(i), box_of(medium)});
-  }
+  for (size_t i = 0; i < scene.media.size(); ++i)
+    if (scene.media[i].is_open) all.push_back({int(i), box_of(scene.media[i])});
   for (const Mesh& mesh : scene.meshes) {
     const Material& material = scene.materials[size_t(mesh.material)];
     if (mesh.triangles.empty() || (material.medium < 0 && !is_solid(material))) continue;
@@ -187,14 +175,17 @@ std::vector<Boundary> boundaries_of(const Scene& scene) {
 class Media::Grid {
  public:
   explicit Grid(const Medium& medium)
-      : box_(*medium.box),
-        values_(*medium.density),
-        size_{values_.nx, values_.ny / medium.planes, medium.planes},
-        blocks_{blocks(size_[0]), blocks(size_[1]), blocks(size_[2])} {
-    majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
-    for (int k = 0; k < blocks_[2]; ++k)
-      for (int j = 0; j < blocks_[1]; ++j)
-        for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
+      : box_(*medium.box), values_(*medium.density), size_{values_.nx, values_.ny / medium.planes, medium.planes} {
+    const auto mean_of = [](const std::vector<float>& of) {
+      return std::accumulate(of.begin(), of.end(), 0.0) / double(of.size());
+    };
+    // A ray steps from block to block, and to tentative particles, most of which are not real where densities in a block differ.
+    const double density = mean_of(values_.values), thickness = cell_thickness(medium);
+    for (side_ = 8;; side_ /= 2) {
+      set_majorants();
+      const double steps_to_none = thickness * (mean_of(majorants_) - density) * side_;
+      if (side_ == 2 || !(steps_to_none > 1)) break;
+    }
   }
 
   double density(Vec3 place) const {
@@ -212,8 +203,8 @@ class Media::Grid {
   /// Calls visit(from, to, majorant) for the blocks on a part of a ray in their order, until it returns true.
   template <class Visit>
   bool visit_blocks(const Ray& ray, double from, double to, const Visit& visit) const {
-    const Vec3 start = in_cells(ray.origin + ray.direction * from) * (1.0 / side),
-               end = in_cells(ray.origin + ray.direction * to) * (1.0 / side), way = end - start;
+    const Vec3 start = in_cells(ray.origin + ray.direction * from) * (1.0 / side_),
+               end = in_cells(ray.origin + ray.direction * to) * (1.0 / side_), way = end - start;
     const std::array<double, 3> origin{start.x, start.y, start.z}, step{way.x, way.y, way.z};
     std::array<int, 3> block, direction;
     std::array<double, 3> next, apart;  // where the ray leaves the block along an axis, as a fraction of the way
@@ -227,7 +218,8 @@ class Media::Grid {
     for (double passed = 0; passed < 1;) {
       const size_t a = size_t(std::min_element(next.begin(), next.end()) - next.begin());
       const double until = std::clamp(next[a], passed, 1.0);
-      const double majorant = majorants_[index(block[0], block[1], block[2])];
+      constexpr double rounding = 1 + 1e-9;  // of interpolation
+      const double majorant = double(majorants_[index(block[0], block[1], block[2])]) * rounding;
       if (until > passed && majorant > 0 && visit(from + passed * (to - from), from + until * (to - from), majorant))
         return true;
       passed = until;
@@ -239,8 +231,13 @@ class Media::Grid {
   }
 
  private:
-  static constexpr int side = 8;  // of a block, in cells
-  static int blocks(int cells) { return (cells + side - 1) / side; }
+  void set_majorants() {
+    for (size_t a = 0; a < 3; ++a) blocks_[a] = (size_[a] + side_ - 1) / side_;
+    majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
+    for (int k = 0; k < blocks_[2]; ++k)
+      for (int j = 0; j < blocks_[1]; ++j)
+        for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
+  }
 
   size_t index(int i, int j, int k) const {
     return (size_t(k) * size_t(blocks_[1]) + size_t(j)) * size_t(blocks_[0]) + size_t(i);
@@ -261,19 +258,20 @@ class Media::Grid {
   /// The largest value that the interpolation in a block uses: one cell more on every side.
   float largest_near(int i, int j, int k) const {
     double largest = 0;
-    for (int z = side * k - 1; z <= side * (k + 1); ++z)
-      for (int y = side * j - 1; y <= side * (j + 1); ++y)
-        for (int x = side * i - 1; x <= side * (i + 1); ++x) largest = std::max(largest, value(x, y, z));
-    return std::nextafter(float(largest), std::numeric_limits<float>::infinity()) * (largest > 0 ? 1.0F : 0.0F);
+    for (int z = side_ * k - 1; z <= side_ * (k + 1); ++z)
+      for (int y = side_ * j - 1; y <= side_ * (j + 1); ++y)
+        for (int x = side_ * i - 1; x <= side_ * (i + 1); ++x) largest = std::max(largest, value(x, y, z));
+    return float(largest);
   }
 
   MediumBox box_;
   const Image& values_;
-  std::array<int, 3> size_, blocks_;
+  std::array<int, 3> size_, blocks_{};
+  int side_ = 8;  // of a block, in cells
   std::vector<float> majorants_;
 };
 
-Media::Media(const Scene& scene, const Lines& lines) {
+Media::Media(const Scene& scene, const Lines& lines, uint64_t seed) : seed_(seed) {
   for (const Medium& medium : scene.media) {
     const Grid* grid = nullptr;
     if (medium.density) grid = grids_.emplace_back(std::make_unique<Grid>(medium)).get();
@@ -366,7 +364,7 @@ Media::Flight Media::fly(const Ray& ray, double end, bool surely) const {
   Flight flight;
   if (segments.list.empty()) return flight;
   const auto last = segments.list.end();
-  uint64_t random = numbers_of(ray, surely ? Purpose::sure_flight : Purpose::flight);
+  uint64_t random = numbers_of(ray, surely ? Purpose::sure_flight : Purpose::flight, seed_);
   const int line = std::min(2, int(3 * draw(random)));
   const auto has_grid = [&](const Segment& s) { return kinds_[size_t(s.medium)].grid != nullptr; };
   Vec3 stopped{1, 1, 1};  // part of the flights that end at a particle, if it surely does
@@ -444,7 +442,7 @@ Vec3 Media::transmittance(const Ray& ray, double distance) const {
   Segments segments;
   find_segments(ray, distance, segments);
   Vec3 share{1, 1, 1};
-  uint64_t random = numbers_of(ray, Purpose::transmittance);
+  uint64_t random = numbers_of(ray, Purpose::transmittance, seed_);
   for (const Segment& s : segments.list) {
     const Kind& kind = kinds_[size_t(s.medium)];
     if (kind.grid)
@@ -458,32 +456,8 @@ Vec3 Media::transmittance(const Ray& ray, double distance) const {
   return share;
 }
 
-std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines) {
-  return scene.media.empty() ? nullptr : std::make_unique<const Media>(scene, lines);
-}
-
-void check_medium(const Medium& medium) {
-  require(
-      is_finite(medium.extinction) && std::min({medium.extinction.x, medium.extinction.y, medium.extinction.z}) >= 0,
-      "expected an extinction of 0 /m or more of the medium \"{}\", got ({}, {}, {})", medium.name, medium.extinction.x,
-      medium.extinction.y, medium.extinction.z);
-  if (medium.box) {
-    const auto& [low, high] = *medium.box;
-    require(is_finite(low) && is_finite(high) && low.x < high.x && low.y < high.y && low.z < high.z,
-            "expected a box of the medium \"{}\" from its lower left back corner to its upper right front one, got one "
-            "without volume",
-            medium.name);
-  }
-  if (!medium.density) return;
-  const Image& grid = *medium.density;
-  require(medium.box.has_value(), "expected a box for the density of the medium \"{}\", got none", medium.name);
-  require(grid.channels == 1 && grid.nx > 0 && medium.planes > 0 && grid.ny >= medium.planes &&
-              grid.ny % medium.planes == 0,
-          "expected a density of at least 1 × 1 × 1 cells of the medium \"{}\"", medium.name);
-  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
-                                    [](float value) { return value >= 0 && std::isfinite(value); });
-  require(bad == grid.values.end(), "expected finite densities of 0 or more of the medium \"{}\", got {}", medium.name,
-          bad == grid.values.end() ? 0 : *bad);
+std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines, uint64_t seed) {
+  return scene.media.empty() ? nullptr : std::make_unique<const Media>(scene, lines, seed);
 }
 
 }  // namespace holotrace

@@ -121,7 +121,7 @@ static Lines lines_for(const Scene& scene, Lines lines) {
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
-      accelerator(scene, params.accelerator, lines),
+      accelerator(scene, params.accelerator, lines, params.seed),
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines_for(scene, lines)),
