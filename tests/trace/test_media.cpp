@@ -449,15 +449,24 @@ TEST(Media, RefusalsSayWhatToDo) {
             }),
             "expected the box of the medium \"fog\" on one side of the panel, got one from z = -1 m to 1 m; let it end "
             "at z = 0");
-  EXPECT_EQ(error([](Scene& s) { s.media[0].extinction.y = -1; }),
-            "expected an extinction of 0 /m or more of the medium \"fog\", got (1, -1, 1)");
+  EXPECT_EQ(
+      error([](Scene& s) { s.media[0].extinction.y = -1; }),
+      "expected an extinction from 0 to 1e+09 /m of the medium \"fog\" (a mean free path of at least 1 nm), got (1, "
+      "-1, 1)");
   EXPECT_EQ(error([](Scene& s) { std::get<ScatteringMaterial>(s.materials[2].surface).anisotropy = 1; }),
-            "expected an anisotropy above -1 and below 1 in material 2, got 1");
+            "expected an anisotropy from -0.999 to 0.999 in material 2, got 1");
   EXPECT_EQ(error([](Scene& s) {
               s.media[0].box = MediumBox{{-1, -1, -2}, {1, 1, -1}};
               set_density(s.media[0], [](double z) { return z > 0.5 ? NAN : 1; });
             }),
             "expected finite densities of 0 or more of the medium \"fog\", got nan");
+  EXPECT_EQ(
+      error([](Scene& s) {
+        s.media[0].box = MediumBox{{-1, -1, -2}, {1, 1, -1}};  // cells of 2/5 m, 2/3 m and 1/20 m
+        set_density(s.media[0], [](double) { return 30'000; });
+      }),
+      "expected a density at which a cell of the medium \"fog\" is at most 10000 mean free paths thick, got 30000 "
+      "and 20000; lower it, or take more cells");
   EXPECT_EQ(error([](Scene& s) {
               s.points = {{{0, 0, -0.1}}};
             }),

@@ -30,9 +30,27 @@ std::string unseen_sentence(const Grid& panel, double wavelength, const TracePar
                 : "move the scene onto the axis or take a panel of finer pitch");
 }
 
+/// The medium that fills all space behind the panel, through which light from infinitely far away does not come.
+const Medium* medium_without_end(const Scene& scene) {
+  const auto found = std::find_if(scene.media.begin(), scene.media.end(),
+                                  [](const Medium& medium) { return medium.is_open && !medium.box; });
+  return found != scene.media.end() ? &*found : nullptr;
+}
+
+bool has_light_from_afar(const Scene& scene) {
+  return scene.environment || max_component(scene.background) > 0 ||
+         std::any_of(scene.lights.begin(), scene.lights.end(),
+                     [](const Light& light) { return std::holds_alternative<DirectionalLight>(light); });
+}
+
 }  // namespace
 
 std::string dark_sentence(const Scene& scene) {
+  if (const Medium* medium = medium_without_end(scene); medium && has_light_from_afar(scene))
+    return fmt::format(
+        "every first hit is dark: the medium \"{}\" has no end behind the panel, so light from infinitely far away "
+        "reaches nothing there, unless it comes from the viewer's side; give the medium a box",
+        medium->name);
   if (scene.lights.empty()) return "every first hit is dark; add lights, emission or a background to the scene";
   return "every first hit is dark: the scene's lights do not reach the surfaces that the panel sees; move them, or add "
          "others, emission or a background";

@@ -122,6 +122,26 @@ TEST(SceneMedia, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\nbox = [\"1 1 -1 mm\", \"0 0 -3 mm\"]\n[materials.glass]\ntype = "
                            "\"interface\"\nmedium = \"m\""),
             "expected a medium that fills its box or objects, got \"m\" with a box and as the medium of a material");
+  EXPECT_EQ(error_of_media("mean_free_path = \"1 mm\"\nemission = 1e300"),
+            "expected finite numbers from 0 to 1e+18 for \"emission\", got 1e+300");
+}
+
+// Errors that need a whole medium, or all media, name the line of one.
+TEST(SceneMedia, ErrorsOfMediaNameTheirLine) {
+  const auto expect = [](const std::string& lines, int line, const std::string& sentence) {
+    const std::string error = error_of([&] { load_job(scene_with(lines)); });
+    EXPECT_NE(error.find("scene.toml:" + std::to_string(line) + ":"), std::string::npos) << error;
+    EXPECT_NE(error.find(sentence), std::string::npos) << error;
+  };
+  expect("mean_free_path = \"1 mm\"\n[media.n]\nmean_free_path = \"1 mm\"", 4,
+         "expected one medium without a box that fills the whole scene, got \"m\" and \"n\"");
+  expect("mean_free_path = \"1 mm\"\nbox = [\"-1 -1 -5 mm\", \"1 1 5 mm\"]", 2,
+         "expected the box of the medium \"m\" on one side of the panel, got one from z = -5 mm to 5 mm");
+  expect("mean_free_path = \"1e-320 m\"", 2, "a mean free path of at least 1 nm");
+  expect("mean_free_path = \"1 mm\"\nconcentration = 1e18", 2, "expected an extinction from 0 to 1e+09 /m");
+  const std::string box = "mean_free_path = \"1 mm\"\nbox = [\"1 1 -1 mm\", \"0 0 -3 mm\"]\ndensity = \"";
+  expect(box + grid_file({0, 1e7F}, {2, 1, 1}) + "\"", 2,
+         "at most 10000 mean free paths thick, got 10000000 and 10000000");
 }
 
 }  // namespace

@@ -9,7 +9,9 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/medium_checks.h"
 #include "holotrace/data/named_medium.h"
+#include "holotrace/data/params/parameter.h"
 #include "holotrace/io/scene/cells_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/toml_table.h"
@@ -94,10 +96,10 @@ Medium read_medium(TomlTable table, const std::string& name, Scene& scene) {
   read_coefficients(table, medium, particles.albedo);
   require(!(table.has("anisotropy") && table.has("droplets")),
           "{}expected either \"anisotropy\" or \"droplets\", got both", table.where("droplets"));
-  table.number("anisotropy", particles.anisotropy, range::between(-1, 1));
+  table.number("anisotropy", particles.anisotropy, range::from_to(-most_anisotropy, most_anisotropy));
   table.length("droplets", particles.droplet_radius, range::above_to(0, 200e-6));
   Vec3 emission;
-  table.colour("emission", emission, std::numeric_limits<double>::infinity());
+  table.colour("emission", emission, most_number);
   if (table.has("box")) {
     std::vector<Vec3> corners;
     table.length_vectors("box", corners);
@@ -131,15 +133,20 @@ std::map<std::string, int> read_media(TomlTable& root, Scene& scene) {
   return known;
 }
 
-void open_media(const TomlTable& root, Scene& scene) {
+void open_media(TomlTable& root, Scene& scene) {
+  const auto tables = root.table("media");
   for (size_t i = 0; i < scene.media.size(); ++i) {
     Medium& medium = scene.media[i];
     const bool is_named = std::any_of(scene.materials.begin(), scene.materials.end(),
                                       [&](const Material& material) { return material.medium == int(i); });
     require(!(is_named && medium.box),
             "{}expected a medium that fills its box or objects, got \"{}\" with a box and as the medium of a material",
-            root.where("media"), medium.name);
+            tables->where(medium.name.c_str()), medium.name);
     medium.is_open = !is_named;
+    tables->locate(medium.name.c_str(), [&] {
+      check_medium(medium);
+      check_open_media(scene.media);
+    });
   }
 }
 

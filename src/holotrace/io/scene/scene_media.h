@@ -30,6 +30,6 @@ std::map<std::string, int> read_media(TomlTable& root, Scene& scene);
 
 /// Lets media without a box that no material names fill the whole of space.
 /// @throws Error for a medium with a box that a material names
-void open_media(const TomlTable& root, Scene& scene);
+void open_media(TomlTable& root, Scene& scene);
 
 }  // namespace holotrace

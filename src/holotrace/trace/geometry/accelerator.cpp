@@ -373,11 +373,11 @@ uint32_t bits_that(uint32_t asked, const Test& passes) {
 
 }  // namespace
 
-Accelerator::Accelerator(const Scene& scene, Acceleration kind, const Lines& lines)
+Accelerator::Accelerator(const Scene& scene, Acceleration kind, const Lines& lines, uint64_t seed)
     : implementation_(new Implementation{.scene = scene, .few = {}, .grid = {}, .lamps = {}, .surfaces = {}}),
       lifts_(scene.lights.size()) {
   check_light_and_materials(scene);
-  media_ = make_media(scene, lines);
+  media_ = make_media(scene, lines, seed);
   if (media_) front_ = media_->front();
   Implementation& self = *implementation_;
   self.lamps = light_surfaces(scene);

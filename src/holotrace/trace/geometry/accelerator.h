@@ -73,7 +73,9 @@ class Accelerator {
   /// @throws Error  if Embree gives no device or cannot build; as UniformGrid does; for lights, materials or textures
   ///         that cannot be used, naming them
   /// @param lines  at which media dim light
-  explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree, const Lines& lines = {});
+  /// @param seed   of the places of their particles
+  explicit Accelerator(const Scene& scene, Acceleration kind = Acceleration::embree, const Lines& lines = {},
+                       uint64_t seed = 1);
   ~Accelerator();
   Accelerator(Accelerator&&) noexcept;
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/cie.h"
+#include "holotrace/data/medium_checks.h"
 
 namespace holotrace {
 
@@ -23,8 +25,8 @@ constexpr double unending = std::numeric_limits<double>::infinity();
 /// The start of the random numbers of a ray; others for another purpose.
 enum class Purpose : uint64_t { flight = 1, sure_flight, transmittance };
 
-uint64_t numbers_of(const Ray& ray, Purpose purpose) {
-  uint64_t bits = uint64_t(purpose);
+uint64_t numbers_of(const Ray& ray, Purpose purpose, uint64_t seed) {
+  uint64_t bits = mix(seed) + uint64_t(purpose);
   for (const double number :
        {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z})
     bits = mix(bits + splitmix_step + std::bit_cast<uint64_t>(number));
@@ -147,20 +149,6 @@ bool only_absorbs(const Scene& scene, const Medium& medium) {
   return scattering && scattering->albedo == Vec3{} && scattering->blackbody == 0 && particle.emission == Vec3{};
 }
 
-void check_cells(const Medium& medium, const Cells& cells, const char* what, const char* range, float most) {
-  if (!cells.values) return;
-  const Image& grid = *cells.values;
-  require(
-      grid.channels == 1 && grid.nx > 0 && cells.planes > 0 && grid.ny >= cells.planes && grid.ny % cells.planes == 0,
-      "expected a {} of at least 1 × 1 × 1 cells of the medium \"{}\"", what, medium.name);
-  require(medium.box.has_value() || (grid.nx == 1 && grid.ny == 1),
-          "expected a box for the {} of the medium \"{}\", got none", what, medium.name);
-  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
-                                    [&](float value) { return value >= 0 && value <= most; });
-  require(bad == grid.values.end(), "expected finite {} of the medium \"{}\", got {}", range, medium.name,
-          bad == grid.values.end() ? 0 : *bad);
-}
-
 /// What a region is bounded by.
 struct Boundary {
   int medium;  // −1: empty
@@ -172,12 +160,7 @@ struct Boundary {
 /// The box of a medium without a mesh: all space behind the panel, if it has none of its own.
 Box box_of(const Medium& medium) {
   if (!medium.box) return {{-unending, -unending, -unending}, {unending, unending, 0}};
-  const auto& [low, high] = *medium.box;
-  require(!(low.z < 0 && high.z > 0),
-          "expected the box of the medium \"{}\" on one side of the panel, got one from z = {} to {}; let it end at "
-          "z = 0",
-          medium.name, format_length(low.z), format_length(high.z));
-  return {low, high};
+  return {medium.box->low, medium.box->high};
 }
 
 void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges) {
@@ -197,17 +180,8 @@ void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges
 /// as large one with a medium before an empty one.
 std::vector<Boundary> boundaries_of(const Scene& scene) {
   std::vector<Boundary> all;
-  const Medium* everywhere = nullptr;
-  for (size_t i = 0; i < scene.media.size(); ++i) {
-    const Medium& medium = scene.media[i];
-    if (!medium.is_open) continue;
-    if (!medium.box) {
-      require(!everywhere, "expected one medium without a box that fills the whole scene, got \"{}\" and \"{}\"",
-              everywhere ? everywhere->name : "", medium.name);
-      everywhere = &medium;
-    }
-    all.push_back({int(i), box_of(medium)});
-  }
+  for (size_t i = 0; i < scene.media.size(); ++i)
+    if (scene.media[i].is_open) all.push_back({int(i), box_of(scene.media[i])});
   for (const Mesh& mesh : scene.meshes) {
     const Material& material = scene.materials[size_t(mesh.material)];
     if (mesh.triangles.empty() || (material.medium < 0 && !is_solid(material))) continue;
@@ -228,15 +202,21 @@ std::vector<Boundary> boundaries_of(const Scene& scene) {
 /// Values in a box, interpolated linearly between the centres of cells, and its majorants.
 class Media::Grid {
  public:
-  Grid(const std::optional<MediumBox>& box, const Cells& cells)
+  /// @param thickness  of a cell of the value 1, as tentative particles of the densest colour meet it; 0: has no particles
+  Grid(const std::optional<MediumBox>& box, const Cells& cells, double thickness)
       : box_(box.value_or(MediumBox{{-1, -1, -1}, {1, 1, 1}})),  // of one cell; none matters
         values_(*cells.values),
-        size_{values_.nx, values_.ny / cells.planes, cells.planes},
-        blocks_{blocks(size_[0]), blocks(size_[1]), blocks(size_[2])} {
-    majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
-    for (int k = 0; k < blocks_[2]; ++k)
-      for (int j = 0; j < blocks_[1]; ++j)
-        for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
+        size_{values_.nx, values_.ny / cells.planes, cells.planes} {
+    const auto mean_of = [](const std::vector<float>& of) {
+      return std::accumulate(of.begin(), of.end(), 0.0) / double(of.size());
+    };
+    // A ray steps from block to block, and to tentative particles, most of which are not real where densities in a block differ.
+    const double density = mean_of(values_.values);
+    for (side_ = 8;; side_ /= 2) {
+      set_majorants();
+      const double steps_to_none = thickness * (mean_of(majorants_) - density) * side_;
+      if (side_ == 2 || !(steps_to_none > 1)) break;
+    }
   }
 
   double at(Vec3 place) const {
@@ -254,8 +234,8 @@ class Media::Grid {
   /// Calls visit(from, to, majorant) for the blocks on a part of a ray in their order, until it returns true.
   template <class Visit>
   bool visit_blocks(const Ray& ray, double from, double to, const Visit& visit) const {
-    const Vec3 start = in_cells(ray.origin + ray.direction * from) * (1.0 / side),
-               end = in_cells(ray.origin + ray.direction * to) * (1.0 / side), way = end - start;
+    const Vec3 start = in_cells(ray.origin + ray.direction * from) * (1.0 / side_),
+               end = in_cells(ray.origin + ray.direction * to) * (1.0 / side_), way = end - start;
     const std::array<double, 3> origin{start.x, start.y, start.z}, step{way.x, way.y, way.z};
     std::array<int, 3> block, direction;
     std::array<double, 3> next, apart;  // where the ray leaves the block along an axis, as a fraction of the way
@@ -269,7 +249,8 @@ class Media::Grid {
     for (double passed = 0; passed < 1;) {
       const size_t a = size_t(std::min_element(next.begin(), next.end()) - next.begin());
       const double until = std::clamp(next[a], passed, 1.0);
-      const double majorant = majorants_[index(block[0], block[1], block[2])];
+      constexpr double rounding = 1 + 1e-9;  // of interpolation
+      const double majorant = double(majorants_[index(block[0], block[1], block[2])]) * rounding;
       if (until > passed && majorant > 0 && visit(from + passed * (to - from), from + until * (to - from), majorant))
         return true;
       passed = until;
@@ -281,8 +262,13 @@ class Media::Grid {
   }
 
  private:
-  static constexpr int side = 8;  // of a block, in cells
-  static int blocks(int cells) { return (cells + side - 1) / side; }
+  void set_majorants() {
+    for (size_t a = 0; a < 3; ++a) blocks_[a] = (size_[a] + side_ - 1) / side_;
+    majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
+    for (int k = 0; k < blocks_[2]; ++k)
+      for (int j = 0; j < blocks_[1]; ++j)
+        for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
+  }
 
   size_t index(int i, int j, int k) const {
     return (size_t(k) * size_t(blocks_[1]) + size_t(j)) * size_t(blocks_[0]) + size_t(i);
@@ -303,26 +289,27 @@ class Media::Grid {
   /// The largest value that the interpolation in a block uses: one cell more on every side.
   float largest_near(int i, int j, int k) const {
     double largest = 0;
-    for (int z = side * k - 1; z <= side * (k + 1); ++z)
-      for (int y = side * j - 1; y <= side * (j + 1); ++y)
-        for (int x = side * i - 1; x <= side * (i + 1); ++x) largest = std::max(largest, value(x, y, z));
-    return std::nextafter(float(largest), std::numeric_limits<float>::infinity()) * (largest > 0 ? 1.0F : 0.0F);
+    for (int z = side_ * k - 1; z <= side_ * (k + 1); ++z)
+      for (int y = side_ * j - 1; y <= side_ * (j + 1); ++y)
+        for (int x = side_ * i - 1; x <= side_ * (i + 1); ++x) largest = std::max(largest, value(x, y, z));
+    return float(largest);
   }
 
   MediumBox box_;
   const Image& values_;
-  std::array<int, 3> size_, blocks_;
+  std::array<int, 3> size_, blocks_{};
+  int side_ = 8;  // of a block, in cells
   std::vector<float> majorants_;
 };
 
-Media::Media(const Scene& scene, const Lines& lines) : lines_(lines) {
+Media::Media(const Scene& scene, const Lines& lines, uint64_t seed) : lines_(lines), seed_(seed) {
   for (const Medium& medium : scene.media) {
-    const auto grid_of = [&](const Cells& cells) {
-      return cells.values ? grids_.emplace_back(std::make_unique<Grid>(medium.box, cells)).get() : nullptr;
+    const auto grid_of = [&](const Cells& cells, double thickness) {
+      return cells.values ? grids_.emplace_back(std::make_unique<Grid>(medium.box, cells, thickness)).get() : nullptr;
     };
-    const Grid* grid = grid_of(medium.density);
+    const Grid* grid = grid_of(medium.density, medium.density.values ? cell_thickness(medium) : 0);
     kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid, only_absorbs(scene, medium),
-                      grid_of(medium.temperature)});
+                      grid_of(medium.temperature, 0)});
   }
   std::vector<BoundaryFace> faces;
   for (const Boundary& boundary : boundaries_of(scene)) {
@@ -429,7 +416,7 @@ Media::Flight Media::fly(const Ray& ray, double end, bool surely) const {
   Flight flight;
   if (segments.list.empty()) return flight;
   const auto last = segments.list.end();
-  uint64_t random = numbers_of(ray, surely ? Purpose::sure_flight : Purpose::flight);
+  uint64_t random = numbers_of(ray, surely ? Purpose::sure_flight : Purpose::flight, seed_);
   const int line = std::min(2, int(3 * draw(random)));
   const auto has_grid = [&](const Segment& s) {
     const Kind& kind = kinds_[size_t(s.medium)];
@@ -524,7 +511,7 @@ Vec3 Media::transmittance(const Ray& ray, double distance) const {
   Segments segments;
   find_segments(ray, distance, segments);
   Vec3 share{1, 1, 1};
-  uint64_t random = numbers_of(ray, Purpose::transmittance);
+  uint64_t random = numbers_of(ray, Purpose::transmittance, seed_);
   for (const Segment& segment : segments.list) share *= passed_on(ray, segment, random);
   return share;
 }
@@ -550,28 +537,11 @@ double Media::reach_of_particles(const ScenePrecision& scene) const {
   return reach;
 }
 
-std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines) {
+std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines, uint64_t seed) {
   const bool has_any =
       !scene.media.empty() || std::any_of(scene.meshes.begin(), scene.meshes.end(),
                                           [&](const Mesh& m) { return absorbs(scene.materials[size_t(m.material)]); });
-  return has_any ? std::make_unique<const Media>(scene, lines) : nullptr;
-}
-
-void check_medium(const Medium& medium) {
-  require(
-      is_finite(medium.extinction) && std::min({medium.extinction.x, medium.extinction.y, medium.extinction.z}) >= 0,
-      "expected an extinction of 0 /m or more of the medium \"{}\", got ({}, {}, {})", medium.name, medium.extinction.x,
-      medium.extinction.y, medium.extinction.z);
-  if (medium.box) {
-    const auto& [low, high] = *medium.box;
-    require(is_finite(low) && is_finite(high) && low.x < high.x && low.y < high.y && low.z < high.z,
-            "expected a box of the medium \"{}\" from its lower left back corner to its upper right front one, got one "
-            "without volume",
-            medium.name);
-  }
-  check_cells(medium, medium.density, "density", "densities of 0 or more", std::numeric_limits<float>::max());
-  constexpr float hottest = 1e5F;
-  check_cells(medium, medium.temperature, "temperature", "temperatures from 0 to 100000 K", hottest);
+  return has_any ? std::make_unique<const Media>(scene, lines, seed) : nullptr;
 }
 
 }  // namespace holotrace

@@ -37,7 +37,8 @@ namespace holotrace {
 ///     weightᵢ = σᵢ·Tᵢ / (⅓·Σⱼ σⱼ·Tⱼ),   at a surface Tᵢ / (⅓·Σⱼ Tⱼ)
 ///
 /// With equal σ the weight is 1. In a grid of densities, particles are drawn by delta tracking: tentative ones have the density of
-/// the local majorant μ, and each is real with the probability σ/μ. Majorants are those of 8 × 8 × 8 cells of the grid.
+/// the local majorant μ, and each is real with the probability σ/μ. Majorants are those of blocks of 8 × 8 × 8 cells of the grid, or
+/// of fewer where densities differ so much that most tentative particles would not be real.
 ///
 /// **Transmittance** is exp(−σ·t) in even media, and by ratio tracking in grids: T is the product of 1 − σ/μ over tentative
 /// particles (J. Novák, A. Selle, W. Jarosz, SIGGRAPH Asia 2014), whose mean is exact.
@@ -45,14 +46,15 @@ namespace holotrace {
 /// **Fire.** Particles of a medium with temperatures emit as black particles: σ_a·B(λ, T) per length, with Planck's B of a nanometre of
 /// the spectrum. A thick flame has the radiance of a black body, one of the thickness τ the share 1 − exp(−τ) of it.
 ///
-/// Random numbers are a hash of the ray: the same ray always meets the same particle, so particles stand still. Calls may run on
-/// several threads at once. Keeps a reference to the scene.
+/// Random numbers are a hash of the ray and the seed: the same ray always meets the same particle, so particles stand still. Calls may
+/// run on several threads at once. Keeps a reference to the scene.
 class Media {
  public:
   /// @param lines  at which the extinction is taken
-  /// @throws Error, naming the medium or mesh, for a mesh that is not closed, two media that fill all of space, and a medium that
-  ///         reaches through the plane of the panel
-  Media(const Scene& scene, const Lines& lines);
+  /// @param seed   of the random numbers
+  /// @throws Error, naming the medium and mesh, for a mesh around a medium that is not closed, or reaches through the plane of the
+  ///         panel
+  Media(const Scene& scene, const Lines& lines, uint64_t seed);
   ~Media();
 
   /// Lets a particle stop a ray that has met the surface of `hit`, or none if `found` is false. Sets the weight of the hit in any
@@ -116,12 +118,10 @@ class Media {
   std::vector<std::pair<int, Box>> boxes_;      // of regions
   std::unique_ptr<const FaceCrossings> faces_;  // of the meshes of regions; nullptr: none
   double front_ = 0;
+  uint64_t seed_;
 };
 
 /// The media of a scene; nullptr if there are none, nor solids that absorb.
-std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines);
-
-/// Checks numbers and grids. @throws Error, naming the medium
-void check_medium(const Medium& medium);
+std::unique_ptr<const Media> make_media(const Scene& scene, const Lines& lines, uint64_t seed);
 
 }  // namespace holotrace

@@ -4,8 +4,8 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/medium_checks.h"
 #include "holotrace/trace/geometry/accelerator.h"
-#include "holotrace/trace/geometry/media.h"
 
 namespace holotrace {
 
@@ -174,8 +174,9 @@ void check_surface(const PrincipledMaterial& material, size_t index) {
 
 void check_surface(const ScatteringMaterial& material, size_t index) {
   require_colour(material.albedo, "albedo", index);
-  require(std::abs(material.anisotropy) < 1, "expected an anisotropy above -1 and below 1 in material {}, got {}",
-          index, material.anisotropy);
+  require(std::abs(material.anisotropy) <= most_anisotropy,
+          "expected an anisotropy from -{} to {} in material {}, got {}", most_anisotropy, most_anisotropy, index,
+          material.anisotropy);
   constexpr double largest = 200e-6;  // of larger ones the tables of directions take long
   require(material.droplet_radius >= 0 && material.droplet_radius <= largest,
           "expected a radius of droplets of at most 0.2 mm in material {}, got {} m", index, material.droplet_radius);
@@ -264,6 +265,7 @@ void check_light_and_materials(const Scene& scene) {
     std::visit([&](const auto& light) { check_light(light, i); }, scene.lights[i]);
   for (size_t i = 0; i < scene.materials.size(); ++i) check_material(scene.materials[i], i);
   for (const Medium& medium : scene.media) check_medium(medium);
+  check_open_media(scene.media);
   require(scene.media.empty() || scene.points.empty(),
           "expected no luminous points in a scene with media, got {}; use small spheres that emit",
           scene.points.size());

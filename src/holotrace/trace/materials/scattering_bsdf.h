@@ -27,10 +27,12 @@ struct ScatteringBsdf {
   std::array<const PhaseTable*, 3> droplets{};  ///< at the lines, in place of g; nullptr: g
 };
 
-/// Density of directions turned by an angle of this cosine [1/sr].
+/// Density of directions turned by an angle of this cosine [1/sr]. 1 + g² − 2g·cosθ is the sum of two parts of 0 or more, because its
+/// own terms cancel in the peak.
 inline double phase_function(double g, double cosine) {
-  const double squared = 1 + g * g - 2 * g * cosine;
-  return (1 - g * g) / (4 * pi * squared * std::sqrt(squared));
+  const double size = std::abs(g), rest = 1 - size;
+  const double squared = rest * rest + 2 * size * std::fmax(0, 1 - std::copysign(1.0, g) * cosine);
+  return rest * (1 + size) / (4 * pi * squared * std::sqrt(squared));
 }
 
 /// The same at the lines.

@@ -129,7 +129,7 @@ static std::optional<StokesVector> detector_of(const Scene& scene) {
 PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<std::string>& path_expressions,
                      const PathParams& params)
     : scene(scene),
-      accelerator(scene, params.accelerator, lines_for(scene, lines)),
+      accelerator(scene, params.accelerator, lines_for(scene, lines), params.seed),
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines_for(scene, lines)),

@@ -108,7 +108,7 @@ struct Walk {
     leaves.push_back(std::move(leaf));
   }
 
-  /// Adds the lights with an area that the ray passes before a distance and that do not end it.
+  /// Adds the lights with an area that the ray passes before a distance and that do not end it. Media before a light dim it.
   void add_lights(const Ray& ray, double distance, const SpecularLeaf& leaf) {
     for (const int i : scene.emitters.lights_on_way()) {
       const auto& light = std::get<RectangleLight>(scene.emitters.lights()[size_t(i)]);
@@ -117,6 +117,7 @@ struct Walk {
       SpecularLeaf here = leaf;
       here.kind = LeafKind::light;
       here.light = i;
+      here.weight *= scene.accelerator.transmittance(ray, met->distance);
       here.start.point.position = ray.origin + ray.direction * met->distance;
       here.start.point.geometric_normal = normalize(cross(light.edge_u, light.edge_v));
       add(std::move(here));
@@ -139,19 +140,16 @@ struct Walk {
     here.start.outgoing = -ray.direction;
     here.start.depth = depth;
     here.start.index = index;
-    if (scene.accelerator.has_media()) {
-      const double distance = hit ? hit->distance : std::numeric_limits<double>::infinity();
-      if (const auto particle = scene.accelerator.particle_before(ray, distance);
-          particle && depth <= scene.params.max_depth) {
-        SpecularLeaf in_medium = here;
-        in_medium.start.point = particle->point;
-        in_medium.weight *= particle->weight;
-        add(std::move(in_medium));
-      }
-      here.weight *= scene.accelerator.transmittance(ray, distance);
+    const double distance = hit ? hit->distance : std::numeric_limits<double>::infinity();
+    if (const auto particle = scene.accelerator.particle_before(ray, distance);
+        particle && depth <= scene.params.max_depth) {
+      SpecularLeaf in_medium = here;
+      in_medium.start.point = particle->point;
+      in_medium.weight *= particle->weight;
+      add(std::move(in_medium));
     }
-    if (depth > 1)
-      add_lights(ray, hit ? hit->distance + hit->point.clearance : std::numeric_limits<double>::infinity(), here);
+    if (depth > 1) add_lights(ray, hit ? distance + hit->point.clearance : distance, here);
+    here.weight *= scene.accelerator.transmittance(ray, distance);
     if (!hit) {
       here.kind = LeafKind::beyond;
       if (depth > 1 || scene.params.shows_background) add(std::move(here));
