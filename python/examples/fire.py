@@ -14,8 +14,8 @@ temperature = 1250 + 750 * np.clip(1 - distance, 0, 1) * (1 - 0.5 * y)
 
 scene = ht.Scene(
     slm={"preset": "pluto", "columns": 480, "rows": 270},
-    media={"fire": {"mean_free_path": "0.4 mm", "albedo": 0.1, "box": ["-1 -1.4 -301 mm", "1 1.4 -299 mm"], "density": soot, "temperature": temperature}},
-    object=[{"type": "quad", "width": "8 mm", "height": "8 mm", "rotation": "x -90 deg", "position": "0 -1.4 -300 mm"}],
+    media={"fire": {"mean_free_path": "0.7 mm", "albedo": 0.1, "box": ["-2 -2.8 -302 mm", "2 2.8 -298 mm"], "density": soot, "temperature": temperature}},
+    object=[{"type": "quad", "width": "8 mm", "height": "8 mm", "rotation": "x -90 deg", "position": "0 -2.8 -300 mm"}],
     render={"rows": 96, "paths": 32, "max_depth": 8, "field_of_view": "0.6 deg"},
 )
 ht.render(scene).save("fire_render.png")

@@ -300,4 +300,5 @@ def test_temperatures_of_a_medium_may_be_an_array():
     # So thick that nothing is seen through it: Planck's radiance of a nanometre at 532 nm, hc/(λkT) = 0.0143878/(532e-9·1800).
     thick = {"mean_free_path": "0.02 mm", "albedo": 0, "box": box, "temperature": np.full((2, 3, 4), 1800.0)}
     picture = ht.render(ht.Scene(tables, media={"fire": thick}))
-    assert np.asarray(picture) == pytest.approx(1.191043e-25 / 532e-9**5 / np.expm1(0.01438777 / (532e-9 * 1800)), rel=1e-4)
+    assert np.asarray(ht.render(ht.Scene(tables, media={"fire": {**thick, "temperature": 1800}}))) == pytest.approx(np.asarray(picture))
+    assert np.asarray(picture)[..., 1] == pytest.approx(1.191043e-25 / 532e-9**5 / np.expm1(0.01438777 / (532e-9 * 1800)), rel=1e-4)

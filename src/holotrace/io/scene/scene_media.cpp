@@ -50,7 +50,7 @@ void read_temperature(TomlTable& table, Medium& medium, ScatteringMaterial& part
   require(node || !table.has("blackbody"), "{}expected a \"temperature\" for the light of a black body",
           table.where("blackbody"));
   if (!node) return;
-  if (node->is_number()) {
+  if (node->is_number() && !table.has("temperature_planes")) {  // else the number of an array
     double kelvin = 0;
     table.number("temperature", kelvin, range::above_to(0, double(hottest)));
     Image even(1, 1, 1);
