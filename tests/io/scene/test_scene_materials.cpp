@@ -274,7 +274,7 @@ TEST(SceneMaterials, PolarisersAndRetardersHaveAnAxis) {
   EXPECT_EQ(plate.path_difference, 560e-9);
   EXPECT_EQ(plate.leakage, 0.9) << "it passes both polarizations alike";
   EXPECT_EQ(error_of_material("type = \"polariser\"\ndelay = \"90 deg\"").substr(0, 24), "4:1: unknown key \"delay\"");
-  EXPECT_EQ(error_of_material("type = \"polariser\"\naxis = 3").substr(0, 12), "4:8: expecte");
+  EXPECT_EQ(error_of_material("type = \"polariser\"\naxis = 3").substr(0, 13), "4:8: expected");
 }
 
 TEST(SceneMaterials, AnAnalyserIsAnAngleOrCircular) {
