@@ -161,7 +161,7 @@ void add_render(CLI::App& app, const GlobalFlags& global) {
   add_shutter(*command, o->read.shutter);
   add_report(*command, o->report);
   command->add_flag("--stokes", o->has_stokes,
-                    "Stokes parameters S0 to S3 of the light in each pixel, as channels S0.R, …, S3.B of an .exr");
+                    "Stokes parameters of the light in each pixel: an .exr with S0 as R, G, B, and S1.R, …, S3.B");
   o->flags.add(*command, RenderParams(), {"reference"});
   command->callback([o, &global] {
     Job job = load_scene(o->scene, global.outside(), o->read.model(o->scene), o->read.slm, o->read.seconds(),

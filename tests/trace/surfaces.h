@@ -142,6 +142,7 @@ inline std::vector<NamedSurface> specular_surfaces() {
           named("glass", DielectricMaterial{}),
           named("glass from inside", DielectricMaterial{}, 1, flat_point(false)),
           named("pane", DielectricMaterial{.is_thin = true}),
+          named("polariser", FilterMaterial{.axis = {0.6, 0.8, 0}, .leakage = 0.1}),
           named("varnish", MetallicRoughnessMaterial{.metallic = 0, .roughness = 0}),
           named("red mirror", MetallicRoughnessMaterial{.base_color = {0.9, 0.1, 0.1}, .roughness = 0})};
 }
@@ -165,7 +166,7 @@ inline std::vector<NamedSurface> all_surfaces() {
 
 /// Materials of every kind and roughness, the limits included.
 inline std::vector<Material> sample_materials() {
-  std::vector<Material> all{DiffuseMaterial{}, DielectricMaterial{.is_thin = true}};
+  std::vector<Material> all{DiffuseMaterial{}, DielectricMaterial{.is_thin = true}, FilterMaterial{}};
   for (double roughness : {0.0, 0.0099, 0.0101, 0.1, 0.5, 1.0}) {
     all.push_back(ConductorMaterial{metal_index("Cu"), roughness});
     all.push_back(DielectricMaterial{glass_index("diamond"), roughness});

@@ -20,7 +20,7 @@ namespace {
 
 // Number of sets that is known before tracing; sets of separate lights are counted later.
 size_t least_sets(const Job& job) {
-  return job.wavelengths.size() *
+  return job.wavelengths.size() * (job.trace.separate_polarizations ? 2 : 1) *
          (job.trace.separate_path_groups ? std::max<size_t>(1, job.trace.path_expressions.size()) : 1);
 }
 

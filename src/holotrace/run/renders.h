@@ -86,7 +86,7 @@ enum class PictureUse { to_look_at, radiance };
 Image make_picture(const Job& job, const RenderParams& params, PictureUse use, const Observer& observer = {});
 
 /// The Stokes parameters S0 to S3 of the light in each pixel (data/polarization.h), signed radiance in red, green and blue [W/m²/sr], for
-/// the panel's axis x. The analyser of the scene counts as left out. As each is found along the same light paths, no pixel has more
+/// horizontal x. The analyser of the scene counts as left out. As each is found along the same light paths, no pixel has more
 /// polarised light than light. Facts: those of make_render for S0. Cost: four times make_render.
 std::array<Image, 4> make_stokes(const Job& job, const RenderParams& params, const Observer& observer = {});
 

@@ -267,17 +267,22 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   bool has_laser = false;
   std::vector<Agreement> agreement(size_t(panel.ny), Agreement{});
   const auto groups = group_wavelengths(scene, wavelengths);
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
-    if (g == 0) warn_of_caustics(path_scene, observer);
-    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
+  const std::vector<Component> components = components_of(scene, params);
+  const size_t parts = groups.size() * components.size();
+  for (size_t i = 0; i < parts; ++i) {
+    const std::vector<double>& group = groups[i / components.size()];
+    const Component& component = components[i % components.size()];
+    const PathScene path_scene(scene, lines_of(group), params.path_expressions, path_params(component));
+    if (i == 0) warn_of_caustics(path_scene, observer);
+    const std::vector<WaveSet> sets = list_sets(path_scene, component, group, cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
-    gather_group({path_scene, params, panel, sets, accepting_panel(panel, params), cones.of_rays, side},
-                 part_of(observer, int(g), int(groups.size())), found, agreement, fields);
+    gather_group({path_scene, component.params, panel, sets, accepting_panel(panel, params), cones.of_rays, side},
+                 part_of(observer, int(i), int(parts)), found, agreement, fields);
   }
+  sort_by_wavelength(fields, wavelengths);
   report(found.counts, params.max_depth, observer);
   observer.fact("first_hits", Fact(found.first_hits));
-  const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(groups.size());
+  const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(parts);
   Brightness points;
   for (const ScenePoint& point : scene.points) points.add(double(point.amplitude) * point.amplitude);
   warn_of_findings({rays, found.first_hits, found.light == 0, has_laser, points, found.surfaces}, scene, panel,

@@ -277,11 +277,14 @@ std::vector<Triangles> shade_triangles(const Scene& scene, const Grid& panel, co
   observer.fact("mesh_triangles", Fact(of_meshes));
   observer.fact("triangles", Fact(int64_t(pieces.size())));
   std::vector<Triangles> all;
+  require(!params.separate_polarizations,
+          "expected a method of waves for separate_polarizations, got triangles; leave out separate_polarizations");
+  const Component whole = components_of(scene, params).front();
   PathCounts counts;
   const auto groups = group_wavelengths(scene, wavelengths);
   for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
-    const std::vector<WaveSet> sets = list_sets(path_scene, params, groups[g], cones);
+    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(whole));
+    const std::vector<WaveSet> sets = list_sets(path_scene, whole, groups[g], cones);
     if (g == 0) warn_of_left_out(scene, params, sets, observer);
     require_memory(2 * double(sizeof(Triangle) + 8) * double(pieces.size()) * double(sets.size()),
                    fmt::format("{} sets of {} triangles", sets.size(), pieces.size()));

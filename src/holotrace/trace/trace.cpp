@@ -366,17 +366,21 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   Totals totals;
   bool has_laser = false;
   const auto groups = group_wavelengths(scene, wavelengths);
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const PathScene path_scene(scene, lines_of(groups[g]), params.path_expressions, path_params(params));
+  const std::vector<Component> components = components_of(scene, params);
+  const size_t parts = groups.size() * components.size();
+  for (size_t i = 0; i < parts; ++i) {
+    const std::vector<double>& group = groups[i / components.size()];
+    const Component& component = components[i % components.size()];
+    const PathScene path_scene(scene, lines_of(group), params.path_expressions, path_params(component));
     if (!pattern && (has_surfaces(scene) || params.has_background)) pattern.emplace(params, panel, cones.of_rays);
-    if (g == 0) warn_of_caustics(path_scene, observer);
-    const std::vector<WaveSet> wave_sets = list_sets(path_scene, params, groups[g], cones);
+    if (i == 0) warn_of_caustics(path_scene, observer);
+    const std::vector<WaveSet> wave_sets = list_sets(path_scene, component, group, cones);
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
-    const Tracing tracing{path_scene, params,       pattern ? &*pattern : nullptr, tiles, wave_sets, side,
+    const Tracing tracing{path_scene, component.params, pattern ? &*pattern : nullptr, tiles, wave_sets, side,
                           panel,      cones.of_rays};
-    const Observer part = part_of(observer, int(g), int(groups.size()));
-    trace_group(tracing, part, totals, sets);
+    trace_group(tracing, part_of(observer, int(i), int(parts)), totals, sets);
   }
+  sort_by_wavelength(sets, wavelengths);
   if (pattern) {
     report(totals.counts, params.max_depth, observer);
     observer.fact("first_hits", Fact(totals.first_hits));
@@ -393,11 +397,10 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
 
 Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
               const Observer& observer) {
-  require(
-      !params.separate_path_groups && !params.separate_lights,
-      "expected parameters that make one set of waves, got separate_path_groups = {}, separate_lights = {}; trace a "
-      "list of wavelengths, which returns all sets",
-      params.separate_path_groups, params.separate_lights);
+  require(!params.separate_path_groups && !params.separate_lights && !params.separate_polarizations,
+          "expected parameters that make one set of waves, got separate_path_groups = {}, separate_lights = {}, "
+          "separate_polarizations = {}; trace a list of wavelengths, which returns all sets",
+          params.separate_path_groups, params.separate_lights, params.separate_polarizations);
   return std::move(trace(scene, panel, std::vector<double>{wavelength}, params, observer).front());
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <ctime>
 
@@ -327,6 +328,21 @@ TEST(ImageFile, SmallerPicturesAreMeansAndLargerOnesLinear) {
   EXPECT_EQ(resample_image(colours, 1, 3).values, colours.values);
   const Image one = resample_image(colours, 1, 1);
   for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(one(0, 0, c), 4.0F + float(c));  // the weights are symmetric
+}
+
+TEST(ImageFile, StokesParametersAreLayersOfAnExr) {
+  std::array<Image, 4> parameters;
+  for (size_t k = 0; k < 4; ++k) {
+    parameters[k] = Image(2, 3, 3);
+    for (size_t i = 0; i < 18; ++i) parameters[k].values[i] = float(i) - 10 * float(k);
+  }
+  const std::string path = temporary("stokes.exr");
+  save_stokes(path, parameters);
+  EXPECT_EQ(load_image(path).values, parameters[0].values) << "what a viewer shows";
+  const std::string bytes = read_text(path);
+  for (const char* name : {"S1.R", "S2.G", "S3.B"}) EXPECT_NE(bytes.find(name), std::string::npos) << name;
+  EXPECT_EQ(error_of([&] { save_stokes("a.png", parameters); }),
+            "a.png: expected a picture .exr for Stokes parameters");
 }
 
 }  // namespace

@@ -268,6 +268,42 @@ TEST(SceneMaterials, MeasuredOnesAreSpectralFilesOfTheRglDatabase) {
                   "expected a field \"ndf\", which a spectral file of the RGL database has, got none"));
 }
 
+TEST(SceneMaterials, PolarisersAndRetardersHaveAnAxis) {
+  const auto film =
+      surface<FilterMaterial>("type = \"polariser\"\naxis = \"30 deg\"\ntransmittance = 0.8\nleakage = 0.01");
+  EXPECT_NEAR(film.axis.x, std::cos(pi / 6), 1e-15);
+  EXPECT_NEAR(film.axis.y, 0.5, 1e-15);
+  EXPECT_EQ(film.axis.z, 0);
+  EXPECT_EQ(film.transmittance, 0.8);
+  EXPECT_EQ(film.leakage, 0.01);
+  const auto plate = surface<FilterMaterial>(
+      "type = \"retarder\"\naxis = [0, 0, 2]\ndelay = \"90 deg\"\npath_difference = \"560 nm\"\ntransmittance = 0.9");
+  EXPECT_EQ(plate.axis, (Vec3{0, 0, 1}));
+  EXPECT_NEAR(plate.delay, pi / 2, 1e-15);
+  EXPECT_EQ(plate.path_difference, 560e-9);
+  EXPECT_EQ(plate.leakage, 0.9) << "it passes both polarizations alike";
+  EXPECT_EQ(error_of_material("type = \"polariser\"\ndelay = \"90 deg\"").substr(0, 24), "4:1: unknown key \"delay\"");
+  EXPECT_EQ(error_of_material("type = \"polariser\"\naxis = 3").substr(0, 13), "4:8: expected");
+}
+
+TEST(SceneMaterials, AnAnalyserIsAnAngleOrCircular) {
+  const auto analyser = [](const std::string& lines) {
+    return load_job(make_file("scene.toml", "wavelength = \"532 nm\"\n" + lines + "\n" + test::cube)).scene.analyser;
+  };
+  EXPECT_EQ(analyser(""), std::nullopt);
+  EXPECT_EQ(analyser("analyser = \"none\""), std::nullopt);
+  EXPECT_EQ(analyser("polarization = true"), all_light);
+  EXPECT_EQ(analyser("polarization = true\nanalyser = \"none\""), all_light);
+  EXPECT_EQ(analyser("analyser = \"left\""), left_polariser);
+  EXPECT_EQ(analyser("polarization = true\nanalyser = \"right\""), right_polariser);
+  EXPECT_EQ(analyser("analyser = \"90 deg\""), linear_polariser(pi / 2));
+  const std::string wrong = error_of([&] { analyser("analyser = \"up\""); });
+  EXPECT_NE(
+      wrong.find("2:12: expected an angle such as \"30 deg\", or left, right or none, for the analyser, got \"up\""),
+      std::string::npos)
+      << wrong;
+}
+
 TEST(SceneMaterials, UnknownNamesSuggestTheNearest) {
   EXPECT_EQ(error_of_material("type = \"dielectrik\""),
             "3:8: unknown material type \"dielectrik\"; did you mean \"dielectric\"?");

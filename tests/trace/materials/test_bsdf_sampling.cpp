@@ -182,6 +182,7 @@ TEST(BsdfSampling, NothingLeaksThroughASurfaceNorBreaksAtItsEdges) {
       const Bsdf bsdf = make_bsdf(material, point, Lines{});
       const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
       const bool transmits = std::holds_alternative<DielectricMaterial>(material.surface) ||
+                             std::holds_alternative<FilterMaterial>(material.surface) ||
                              (layers && layers->transmission.value + layers->diffuse_transmission.value > 0);
       for (int j = 0; j < 20; ++j) {
         const double u_lobe = random.uniform(), u = random.uniform();

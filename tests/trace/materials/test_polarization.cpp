@@ -179,9 +179,7 @@ TEST(Polarization, APathDifferenceDelaysEachColourByItsOwnPart) {
 
 TEST(Polarization, NoSurfaceMakesMoreThanFullyPolarisedLight) {
   // A matrix M is physical only if |d| ≤ 1 and d² + |c|² ≤ 1, with e ≤ 1, whatever layers add up.
-  std::vector<NamedSurface> all = conductor_surfaces();
-  for (const auto& more : {dielectric_surfaces(), metallic_surfaces(), principled_surfaces(), diffuse_surfaces()})
-    all.insert(all.end(), more.begin(), more.end());
+  std::vector<NamedSurface> all = all_surfaces();
   PrincipledMaterial film;
   film.roughness.value = 0;
   film.iridescence.value = 1;

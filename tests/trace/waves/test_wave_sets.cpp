@@ -159,10 +159,9 @@ TEST(WaveSets, SurfacePhaseIsAFunctionOfThePlaceAlone) {
 }
 
 TEST(WaveSets, SetsThatAreSeveralAreNoAnswerForOneWavelength) {
-  EXPECT_EQ(
-      error_of([] { trace(make_corner(), sets_panel, green_light, {.separate_lights = true}); }),
-      "expected parameters that make one set of waves, got separate_path_groups = false, separate_lights = true; trace "
-      "a list of wavelengths, which returns all sets");
+  EXPECT_EQ(error_of([] { trace(make_corner(), sets_panel, green_light, {.separate_lights = true}); }),
+            "expected parameters that make one set of waves, got separate_path_groups = false, separate_lights = true, "
+            "separate_polarizations = false; trace a list of wavelengths, which returns all sets");
   EXPECT_EQ(error_of([] { trace(make_corner(), sets_panel, std::vector<double>{}, {}); }),
             "expected at least one wavelength, got none");
   EXPECT_EQ(error_of([] { trace(make_corner(), sets_panel, green_light, {.strategy = Strategy::gather}); }),

@@ -59,6 +59,7 @@ struct TraceParams {
   std::vector<std::string> path_expressions{};  ///< light path expressions; none: all light, "E.*L"
   bool separate_path_groups = false;            ///< one hologram per path expression
   bool separate_lights = false;                 ///< one hologram per light: lights do not interfere
+  bool separate_polarizations = false;          ///< one hologram for horizontal and one for vertical polarization
   int frames = 0;  ///< M, holograms shown one after the other, of waves with independent phases; 0: chosen, 1 for waves
   Acceleration accelerator = Acceleration::embree;  ///< structure that finds the surface on a ray
   bool has_background = false;  ///< light from infinitely far away makes waves where a ray meets no surface
@@ -127,6 +128,9 @@ void describe(Visitor&& v, TraceParams& p) {
   v(flag("separate_path_groups", p.separate_path_groups, "one hologram for each path expression; false: one for all"));
   v(flag("separate_lights", p.separate_lights,
          "one hologram for each light; their images are added without interference"));
+  v(flag(
+      "separate_polarizations", p.separate_polarizations,
+      "two holograms, of horizontally and of vertically polarised light; their images are added without interference"));
   v(count("frames", p.frames, range::not_negative,
           "holograms with independent phases, shown one after the other; 0: as quality says for sgd, else 1"));
   v(choice(

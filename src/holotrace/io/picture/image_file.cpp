@@ -246,7 +246,7 @@ void save_stokes(const std::string& path, const std::array<Image, 4>& parameters
   for (size_t k = 0; k < 4; ++k) {
     require(parameters[k].channels == 3 && parameters[k].values.size() == first.values.size(),
             "{}: expected four pictures of the same size in colour", path);
-    for (const char* colour : {"R", "G", "B"}) channels.push_back(fmt::format("S{}.{}", k, colour));
+    for (const char* colour : {"R", "G", "B"}) channels.push_back(k == 0 ? colour : fmt::format("S{}.{}", k, colour));
     for (size_t i = 0; i < first.values.size(); ++i) all.values[i / 3 * 12 + 3 * k + i % 3] = parameters[k].values[i];
   }
   save_exr(path, channels, all, record);

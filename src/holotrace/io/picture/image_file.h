@@ -56,8 +56,8 @@ Image with_three_channels(Image image);
 /// @throws Error as check_image does, for another white, and where NewFile throws
 void save_image(const std::string& path, const Image& image, double white, int bits, const FileRecord& record = {});
 
-/// Writes the Stokes parameters of a picture, S0 to S3 of the same size with three channels each, as one .exr of the channels S0.R, S0.G,
-/// S0.B, …, S3.B, as Mitsuba 3 names them. Programs that read three channels, as load_image does, see S0.
+/// Writes the Stokes parameters of a picture, S0 to S3 of the same size with three channels each, as one .exr: S0 as the
+/// channels R, G, B, which every viewer shows, and S1.R, S1.G, S1.B, …, S3.B.
 /// @throws Error as save_image does, and for an ending other than .exr
 void save_stokes(const std::string& path, const std::array<Image, 4>& parameters, const FileRecord& record = {});
 

@@ -97,6 +97,9 @@ void read_polarization(TomlTable& root, Scene& scene) {
   else if (name == "right")
     scene.analyser = right_polariser;
   else {
+    if (name && name->find_first_of("0123456789") == std::string::npos)
+      fail("{}expected an angle such as \"30 deg\", or left, right or none, for the analyser, got \"{}\"",
+           root.where("analyser"), printable(*name, 80));
     root.angle("analyser", angle, range::any);
     scene.analyser = linear_polariser(angle);
   }

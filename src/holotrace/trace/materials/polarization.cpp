@@ -275,10 +275,10 @@ void StokesRow::pass(const PolarizationChange& change, Vec3 outgoing) {
 }
 
 StokesRow row_of(const StokesVector& detector, Vec3 direction) {
-  const Vec3 x{1, 0, 0}, across = x - direction * direction.x;
+  const Vec3 across = cross(Vec3{0, 1, 0}, direction);
   const double size = length(across);
   StokesRow row;
-  row.axis = size > 1e-9 ? across / size : Vec3{0, 1, 0};
+  row.axis = size > 1e-9 ? across / size : Vec3{1, 0, 0};
   for (size_t i = 0; i < 4; ++i) row.q[i] = Vec3{1, 1, 1} * detector[i];
   return row;
 }

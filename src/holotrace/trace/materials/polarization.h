@@ -43,7 +43,7 @@ struct StokesRow {
   void pass(const PolarizationChange& change, Vec3 outgoing);
 };
 
-/// The row of a detector for light that travels along `direction`; x is the panel's axis x, as seen along the light.
+/// The row of a detector for light that travels along `direction`; its axis x is at right angles to the panel's axis y.
 StokesRow row_of(const StokesVector& detector, Vec3 direction);
 
 /// What a lobe of a surface does to the polarization of light that arrives from `incoming` and leaves along `outgoing`. Both point

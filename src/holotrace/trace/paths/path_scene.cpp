@@ -119,7 +119,8 @@ static Lines lines_for(const Scene& scene, Lines lines) {
 }
 
 /// Filters need polarization, with or without an analyser.
-static std::optional<StokesVector> detector_of(const Scene& scene) {
+static std::optional<StokesVector> detector_of(const Scene& scene, const PathParams& params) {
+  if (params.detector) return params.detector;
   const bool has_filters = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
     return std::holds_alternative<FilterMaterial>(scene.materials[size_t(mesh.material)].surface);
   });
@@ -133,7 +134,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines_for(scene, lines)),
-      detector(detector_of(scene)),
+      detector(detector_of(scene, params)),
       params(params),
       rectangles(scene.lights.size()),
       mirrors(flat_mirrors(scene, emitters.lights(), lines)),

@@ -51,6 +51,7 @@ struct PathParams {
   bool shows_background = false;  ///< rays from the panel that meet no surface find the background
   uint64_t seed = 1;
   Acceleration accelerator = Acceleration::embree;
+  std::optional<StokesVector> detector{};  ///< in place of the scene's analyser
 };
 
 /// A scene prepared for light paths at three wavelengths. Keeps a reference to the scene; calls may run on several

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/sources.h"
@@ -44,8 +45,20 @@ std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std
   return groups;
 }
 
-PathParams path_params(const TraceParams& params) {
+std::vector<Component> components_of(const Scene& scene, const TraceParams& params) {
+  if (!params.separate_polarizations) return {{"", params}};
+  require(!scene.analyser || scene.analyser == all_light,
+          "expected an analyser or separate_polarizations, got both; an analyser leaves one polarization");
+  Component horizontal{"horizontal", params, linear_polariser(0)},
+      vertical{"vertical", params, linear_polariser(pi / 2)};
+  vertical.params.seed = int64_t(mix(uint64_t(params.seed)) >> 2);  // far from those of other jobs and frames
+  return {std::move(horizontal), std::move(vertical)};
+}
+
+PathParams path_params(const Component& component) {
+  const TraceParams& params = component.params;
   PathParams path;
+  path.detector = component.detector;
   path.max_depth = params.max_depth;
   path.roulette_depth = params.roulette_depth;
   path.clamp = params.clamp;
@@ -85,8 +98,9 @@ void report(const Cones& cones, const std::vector<double>& wavelengths, const Gr
         format_length(cones.of_rays), format_angle(half_angle), format_length(longest), 100 * given_up));
 }
 
-std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group,
+std::vector<WaveSet> list_sets(const PathScene& scene, const Component& component, const std::vector<double>& group,
                                const Cones& cones) {
+  const TraceParams& params = component.params;
   const int path_groups = scene.automaton.path_groups(), groups = params.separate_lights ? scene.emitters.groups() : 1;
   const uint32_t point_path_groups = scene.automaton.accepted(scene.automaton.start());
   require(
@@ -119,7 +133,10 @@ std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params
         sets.push_back(
             {group[line], int(line), {}, true, true, path_group + (path_group.empty() ? "points" : ", points")});
     }
-  for (WaveSet& set : sets) set.cone_wavelength = cones.of_waves;
+  for (WaveSet& set : sets) {
+    set.cone_wavelength = cones.of_waves;
+    if (!component.name.empty()) set.name += (set.name.empty() ? "" : ", ") + component.name;
+  }
   return sets;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +33,19 @@ struct WaveSet {
 /// the scene is dispersive, so that paths of different colours part.
 std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std::vector<double>& wavelengths);
 
+/// A part of a tracing whose waves are sets of their own: all light, or one polarization.
+struct Component {
+  std::string name;    ///< of its sets, "" for all light
+  TraceParams params;  ///< random numbers of its own
+  std::optional<StokesVector> detector{};
+};
+
+/// The parts of a tracing: one, or with separate_polarizations two, whose phases are independent as those of unpolarised light are.
+/// @throws Error  for separate polarizations behind an analyser
+std::vector<Component> components_of(const Scene& scene, const TraceParams& params);
+
 /// The parameters of light paths, taken from those of the tracing.
-PathParams path_params(const TraceParams& params);
+PathParams path_params(const Component& component);
 
 /// The lines of a group; for fewer than three, wavelengths are repeated.
 Lines lines_of(const std::vector<double>& group);
@@ -52,8 +65,17 @@ void report(const Cones& cones, const std::vector<double>& wavelengths, const Gr
 /// The sets of a group of wavelengths: for each wavelength, the path groups in order, and for each of these the light
 /// groups. A luminous point is the path EL, so it belongs to the path groups with that path; with separate lights,
 /// points are a light of their own, the last, "points".
-std::vector<WaveSet> list_sets(const PathScene& scene, const TraceParams& params, const std::vector<double>& group,
+std::vector<WaveSet> list_sets(const PathScene& scene, const Component& component, const std::vector<double>& group,
                                const Cones& cones);
+
+/// Sorts sets of waves or fields in the order of the wavelengths; those of one wavelength stay in theirs.
+template <class Sets>
+void sort_by_wavelength(Sets& sets, const std::vector<double>& wavelengths) {
+  const auto place = [&](const auto& set) {
+    return std::find(wavelengths.begin(), wavelengths.end(), set.wavelength) - wavelengths.begin();
+  };
+  std::stable_sort(sets.begin(), sets.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+}
 
 /// Radiance [W/m²/sr] and, for lasers, phase [rad] with which the waves of a set start.
 struct SetLight {
