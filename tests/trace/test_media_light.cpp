@@ -103,8 +103,7 @@ struct GridScene {
     for (int k = 0; k < cells; ++k)
       for (int j = 0; j < cells; ++j)
         for (int i = 0; i < cells; ++i) grid(cells * k + j, i) = density(i, j, k);
-    fog.density = std::make_shared<Image>(std::move(grid));
-    fog.planes = cells;
+    fog.density = {std::make_shared<Image>(std::move(grid)), cells};
   }
 };
 
