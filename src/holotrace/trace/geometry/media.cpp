@@ -190,8 +190,9 @@ std::vector<Boundary> boundaries_of(const Scene& scene) {
     all.push_back({material.medium, {}, &mesh, std::move(welded)});
   }
   // In single precision volumes do not differ by rounding.
-  const auto rank = [](const Boundary& b) {
-    return std::tuple(!b.mesh, float(b.mesh ? volume_of(*b.mesh, b.welded) : volume_of(b.box)), b.medium < 0);
+  const auto rank = [&](const Boundary& b) {
+    const bool is_empty = b.medium < 0 && !absorbs(scene.materials[size_t(b.mesh->material)]);
+    return std::tuple(!b.mesh, float(b.mesh ? volume_of(*b.mesh, b.welded) : volume_of(b.box)), is_empty);
   };
   std::stable_sort(all.begin(), all.end(), [&](const Boundary& a, const Boundary& b) { return rank(a) < rank(b); });
   return all;
