@@ -24,7 +24,7 @@ scene = ht.Scene(
     object=[square],
     light=[{"type": "directional", "direction": [0.2, -0.3, -1], "irradiance": 3.0}],
     render={"rows": 64, "paths": 4},
-    trace={"columns": 64, "rows": 64, "paths": 4},
+    trace={"columns": 240, "rows": 240, "paths": 4},
     camera={"distances": "100 mm"},
 )
 ht.render(scene).save("square_render.png")
