@@ -22,7 +22,6 @@ SIZE = (480, 270)
 MATERIALS = {
     "light_shafts": ("Fog, milk and skin", "A lamp shines through a grille into fog. Waves start at its particles, and inside of the milk (left) and the skin."),
     "sunset_optimised": ("A low sun", "The sky and its sun are infinitely far away: they are blurred where the view is sharp on the gate, then on the ball."),
-    "layered_surfaces": ("Layered surfaces", "Clear coat, sheen, brushed metal, thin films, tinted and half clear glass, a soap bubble, a lamp shade."),
 }
 
 
@@ -71,9 +70,9 @@ def material_sheet(output, name):
     planes = distances(folder)[:2]
     labels = [f"focus at {d} ({psnr_at(folder, d):.1f} dB)" for d in planes]
     with Image.open(folder / "view.png") as view:
-        size = (720, round(720 * view.height / view.width))
+        size, is_grey = (720, round(720 * view.height / view.width)), view.mode != "RGB"
     pictures = [[numbered(folder, stem, i + 1) for i in range(len(planes))] for stem in ("view", "render")]
-    return lay_out(title, caption, beside_renders(labels, *pictures, size, is_grey=False))
+    return lay_out(title, caption, beside_renders(labels, *pictures, size, is_grey))
 
 
 def frames_sheet(output):

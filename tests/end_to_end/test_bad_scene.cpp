@@ -50,7 +50,7 @@ void expect_sentences(const std::vector<BadTables>& cases) {
 TEST(BadTables, MaterialsAndMapsAreNamedAtTheirPlace) {
   expect_sentences({
       {"[materials.m]\ntype = \"glas\"\n",
-       "scene.toml:7:8: unknown material type \"glas\"; known: diffuse, conductor, dielectric, metallic-roughness, principled, measured, interface"},
+       "scene.toml:7:8: unknown material type \"glas\"; known: diffuse, conductor, dielectric, metallic-roughness, principled, measured, polariser, retarder, interface"},
       {"[materials.m]\ntexture = \"none.png\"\n",
        "scene.toml:7:11: expected an image at none.png, but there is no such file; check the path"},
       {"[environment]\nmap = \"none.exr\"\n",
