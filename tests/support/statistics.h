@@ -66,11 +66,12 @@ struct SphereTest {
 };
 
 /// Counts directions that `sample()` draws (std::optional<Vec3>) in 16 × 32 cells of the map and compares them with
-/// the integral of `pdf(direction)` over each cell, by 16 × 16 midpoints, or 128 × 128 where the density ends inside;
+/// the integral of `pdf(direction)` over each cell, by 16 × 16 midpoints (or as many as
+/// `midpoints` says), or 8 times as many along each side where the density ends inside;
 /// tries without a direction are one more cell.
 template <class Sample, class Pdf>
-SphereTest test_sphere_sampling(const SphereMap& map, int count, Sample&& sample, const Pdf& pdf) {
-  constexpr int rows = 16, columns = 32, midpoints = 16;
+SphereTest test_sphere_sampling(const SphereMap& map, int count, Sample&& sample, const Pdf& pdf, int midpoints = 16) {
+  constexpr int rows = 16, columns = 32;
   std::vector<double> observed(rows * columns + 1), expected(rows * columns + 1);
   for (int k = 0; k < count; ++k) {
     const std::optional<Vec3> direction = sample();
