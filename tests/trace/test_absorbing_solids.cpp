@@ -181,6 +181,7 @@ TEST(AbsorbingSolids, EndAtMediaAndAtTheirLastFace) {
   open.materials = {absorbing(1, true)};
   open.meshes = {make_wall(-0.1, 0.1, 0.1)};
   EXPECT_EQ(Accelerator(open).transmittance(ray, 1).x, 1);
+  EXPECT_EQ(Accelerator(open).transmittance({{0.0013, 0.0007, -1}, {0, 0, 1}}, 2).x, 1) << "a sheet seen from behind";
 }
 
 // Light that glass bends on its way to a wall in it: a caustic. The wall is 0.2 m below the face.

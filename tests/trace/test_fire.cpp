@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "holotrace/data/light_spectrum.h"
+#include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/render.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
@@ -74,6 +75,18 @@ TEST(Fire, HasTheLightOfABlackBodyByItsThickness) {
   expect_ratio(mean_light(make_flame({.extinction = 100, .kelvin = {2400}}), 16), at_lines(2400), 1e-5);
   expect_ratio(mean_light(make_flame({.albedo = 0.4, .factor = 3}), 1024, {"EL"}),
                at_lines(1800) * (3 * 0.6 * (1 - std::exp(-1.0))), 0.02);
+}
+
+// What is not scattered is absorbed and shines, whatever the spectra of surfaces: an albedo is no colour of a surface.
+TEST(Fire, OfAColouredAlbedoIsThatOfItsAbsorbedPart) {
+  Material material(ScatteringMaterial{.albedo = {0.9, 0.3, 0.05}, .blackbody = 2});
+  SurfacePoint point;
+  point.colour = {1, 1, 1};
+  for (const bool is_smooth : {false, true}) {
+    Lines lines;
+    if (is_smooth) lines.reflectances = &reflectance_table(lines.wavelengths);
+    EXPECT_LT(length(emitted_radiance(material, point, lines) - Vec3{0.2, 1.4, 1.9}), 1e-12) << is_smooth;
+  }
 }
 
 // Temperatures are interpolated between the middles of layers: ∫σ·B(T(t))·exp(−σt) dt. The light of particles varies by about its

@@ -17,7 +17,7 @@ void check_cells(const Medium& medium, const Cells& cells, const char* what, con
   require(
       grid.channels == 1 && grid.nx > 0 && cells.planes > 0 && grid.ny >= cells.planes && grid.ny % cells.planes == 0,
       "expected a {} of at least 1 × 1 × 1 cells of the medium \"{}\"", what, medium.name);
-  require(medium.box.has_value() || (grid.nx == 1 && grid.ny == 1),
+  require(medium.box.has_value() || (&cells == &medium.temperature && grid.nx == 1 && grid.ny == 1),
           "expected a box for the {} of the medium \"{}\", got none", what, medium.name);
   const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
                                     [&](float value) { return value >= 0 && value <= most; });

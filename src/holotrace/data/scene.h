@@ -124,7 +124,7 @@ inline bool has_texture(const PrincipledMaterial& material) {
 /// of Henyey and Greenstein, or that of water droplets of one size (Lorenz and Mie).
 struct ScatteringMaterial {
   Vec3 albedo{1, 1, 1};       ///< in red, green, blue, each in [0, 1]
-  double anisotropy = 0;      ///< g of Henyey and Greenstein, the mean cosine of the angle of scattering, in (−1, 1)
+  double anisotropy = 0;      ///< g of Henyey and Greenstein, the mean cosine of the angle of scattering, |g| ≤ 0.999
   double droplet_radius = 0;  ///< above 0: of water droplets, which replace g [m]
   double blackbody = 0;  ///< factor for the light of a black body of the medium's temperature (Medium::temperature)
 };

@@ -113,6 +113,10 @@ void check_job(const Job& job) {
   check_ranges(job.show);
   check_ranges(job.propagate);
   check_ranges(job.camera);
+  require(
+      !job.trace.separate_polarizations || !aims_at_scene(job),
+      "expected separate_polarizations only with holograms of waves, got holograms that are optimised for the scene's "
+      "light; leave it out, or take another method than sgd");
   for (const double wavelength : job.wavelengths) check_wavelength(wavelength, job.slm.grid);
   for (size_t i = 0; i < job.wavelengths.size(); ++i)
     require(std::count(job.wavelengths.begin(), job.wavelengths.end(), job.wavelengths[i]) == 1,

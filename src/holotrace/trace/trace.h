@@ -16,8 +16,8 @@ namespace holotrace {
 ///
 /// **Sets.** There is one set of waves for each wavelength in turn. With params.separate_path_groups there is one per
 /// path group, named by its expression; with params.separate_lights one per light group, "light 0", …, "emission",
-/// "background", "points";
-/// with both combined names such as "EDL, light 0". Separate sets without a wave are left out. Otherwise the light of
+/// "background", "points"; with params.separate_polarizations two, "horizontal" and "vertical" (Scene::analyser);
+/// with several, combined names such as "EDL, light 0". Separate sets without a wave are left out. Otherwise the light of
 /// all path groups adds up. Sets do not interfere: each is a hologram of its own. Up to three wavelengths share their
 /// light paths; if a solid dielectric is dispersive, so that colours part, each is traced by itself. All wavelengths
 /// share their first hits, which fill one cone: that of the shortest wavelength if all keep to it
@@ -92,7 +92,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
                            const TraceParams& params, const Observer& observer = {});
 
 /// The same for one wavelength [m] and parameters that make one set.
-/// @throws Error  for separate_path_groups or separate_lights, and as above
+/// @throws Error  for separate_path_groups, separate_lights or separate_polarizations, and as above
 Sources trace(const Scene& scene, const Grid& panel, double wavelength, const TraceParams& params,
               const Observer& observer = {});
 

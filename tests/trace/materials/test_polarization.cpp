@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <complex>
 
 #include "holotrace/base/random.h"
@@ -205,6 +206,30 @@ TEST(Polarization, NoSurfaceMakesMoreThanFullyPolarisedLight) {
         most = std::max(most, both);
       }
   EXPECT_GT(most, 0.99) << "a mirror keeps polarization";
+}
+
+TEST(Polarization, AFilmTurnsPhasesAsAirysSum) {
+  // r = (r₁₂ + r₂₃·e^{iδ})/(1 + r₁₂·r₂₃·e^{iδ}) with δ = 4π·n₂·d·cosθ₂/λ, and conj(r_s)·r_p: the sign of its imaginary part over the
+  // real one is that of δ, whatever the sign of r_p.
+  constexpr double n2 = 1.4, n3 = 1.9, thickness = 300e-9;
+  const double c1 = std::cos(pi / 3), s1 = std::sin(pi / 3), c2 = std::sqrt(1 - std::pow(s1 / n2, 2)),
+               c3 = std::sqrt(1 - std::pow(s1 / n3, 2));
+  const std::complex<double> turn = std::polar(1.0, 4 * pi * n2 * thickness * c2 / green_line);
+  const auto airy = [&](double outer, double inner) { return (outer + inner * turn) / (1.0 + outer * inner * turn); };
+  const auto r_s = airy((c1 - n2 * c2) / (c1 + n2 * c2), (n2 * c2 - n3 * c3) / (n2 * c2 + n3 * c3)),
+             r_p = airy((n2 * c1 - c2) / (n2 * c1 + c2), (n3 * c2 - n2 * c3) / (n3 * c2 + n2 * c3));
+  const std::complex<double> both = r_p * std::conj(r_s);
+  const double all = 0.5 * (std::norm(r_s) + std::norm(r_p));
+  PrincipledMaterial film;
+  film.roughness.value = 0;
+  film.index = constant_index(n3);
+  film.iridescence.value = 1;
+  film.iridescence_index = n2;
+  film.film_thickness = thickness;
+  const PolarizationChange change = mirror_change(film, 60);
+  EXPECT_NEAR(std::abs(change.c.y), std::abs(both.real()) / all, of_matrices);
+  EXPECT_NEAR(change.c_turn.y / change.c.y, both.imag() / both.real(), 1e-9);
+  EXPECT_NEAR(change.d.y, 0.5 * (std::norm(r_s) - std::norm(r_p)) / all, of_matrices);
 }
 
 TEST(Polarization, AFilmWithoutThicknessPolarisesAsItsBase) {

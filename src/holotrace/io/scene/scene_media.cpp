@@ -1,9 +1,12 @@
 #include "holotrace/io/scene/scene_media.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,24 +38,49 @@ Cells read_cells(TomlTable& table, const char* key, const Medium& medium, const 
     table.locate(key, [&] { cells = load_cells(table.beside(key, file), key); });
   }
   const Image& grid = *cells.values;
-  const int rows = grid.ny / cells.planes;
-  for (size_t i = 0; i < grid.values.size(); ++i)
-    require(grid.values[i] >= 0 && grid.values[i] <= most, "{}expected {}, got {} in plane {}, row {}, column {}",
-            table.where(key), range, grid.values[i], int(i) / grid.nx / rows, int(i) / grid.nx % rows,
-            int(i) % grid.nx);
-  return cells;
+  require(grid.ny >= cells.planes && grid.ny % cells.planes == 0, "{}expected planes of whole rows, got {} rows in {}",
+          table.where(key), grid.ny, cells.planes);
+  const auto bad = std::find_if_not(grid.values.begin(), grid.values.end(),
+                                    [&](float value) { return value >= 0 && value <= most; });
+  if (bad == grid.values.end()) return cells;
+  const auto place = size_t(bad - grid.values.begin()), row = place / size_t(grid.nx),
+             rows = size_t(grid.ny / cells.planes);
+  fail("{}expected {}, got {} in plane {}, row {}, column {}", table.where(key), range, *bad, row / rows, row % rows,
+       place % size_t(grid.nx));
 }
 
-// The temperature of all particles [K], or a grid.
+// The number of a text such as "1800 K".
+std::optional<double> kelvins_in(const std::string& text) {
+  double kelvins = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), kelvins);
+  const std::string_view unit(end, size_t(text.data() + text.size() - end));
+  return error == std::errc() && (unit == " K" || unit == "K") ? std::optional(kelvins) : std::nullopt;
+}
+
+// The temperature of all particles [K], or a grid. Such particles absorb, if nothing else is said.
 void read_temperature(TomlTable& table, Medium& medium, ScatteringMaterial& particles) {
   constexpr float hottest = 1e5F;
   const toml::node* node = table.find("temperature");
   require(node || !table.has("blackbody"), "{}expected a \"temperature\" for the light of a black body",
           table.where("blackbody"));
   if (!node) return;
-  if (node->is_number() && !table.has("temperature_planes")) {  // else the number of an array
-    double kelvin = 0;
-    table.number("temperature", kelvin, range::above_to(0, double(hottest)));
+  if (!table.has("albedo") && !table.has("substance")) particles.albedo = {};
+  require(!(particles.albedo == Vec3{1, 1, 1}),
+          "{}expected an \"albedo\" below 1 of a medium with a temperature, got 1: what does not absorb does not shine",
+          table.where("temperature"));
+  const std::optional<double> with_unit = kelvins_in(node->value_or(std::string()));
+  if (with_unit || (node->is_number() && !table.has("temperature_planes"))) {  // else the number of an array
+    double kelvin = with_unit.value_or(0);
+    if (with_unit) {
+      std::string text;
+      table.text("temperature", text);
+      table.locate("temperature", [&] {
+        require(kelvin > 0 && kelvin <= double(hottest), "expected a temperature above 0 K and up to {} K, got {} K",
+                hottest, kelvin);
+      });
+    } else {
+      table.number("temperature", kelvin, range::above_to(0, double(hottest)));
+    }
     Image even(1, 1, 1);
     even.values[0] = float(kelvin);
     medium.temperature = {std::make_shared<Image>(std::move(even)), 1};

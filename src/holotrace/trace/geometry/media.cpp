@@ -155,6 +155,8 @@ struct Boundary {
   Box box;     // without a mesh
   const Mesh* mesh = nullptr;
   Welded welded{};
+  float volume = 0;  // [m³]; in single precision volumes do not differ by rounding
+  bool is_empty = false;
 };
 
 /// The box of a medium without a mesh: all space behind the panel, if it has none of its own.
@@ -176,24 +178,24 @@ void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges
           mesh.name, medium.name, format_length(back->z), format_length(front->z));
 }
 
-/// The boundaries of a scene in the order in which they count: meshes before boxes, smaller before larger ones, and of two that are
-/// as large one with a medium before an empty one.
+/// The boundaries of a scene in the order in which they count: smaller before larger ones, and of two that are as large a mesh
+/// before a box, and one with a medium before an empty one. Glass without a medium that is not closed bounds nothing.
 std::vector<Boundary> boundaries_of(const Scene& scene) {
   std::vector<Boundary> all;
   for (size_t i = 0; i < scene.media.size(); ++i)
-    if (scene.media[i].is_open) all.push_back({int(i), box_of(scene.media[i])});
+    if (const Box box = box_of(scene.media[i]); scene.media[i].is_open)
+      all.push_back({int(i), box, nullptr, {}, float(volume_of(box))});
   for (const Mesh& mesh : scene.meshes) {
     const Material& material = scene.materials[size_t(mesh.material)];
     if (mesh.triangles.empty() || (material.medium < 0 && !is_solid(material))) continue;
     Welded welded = weld(mesh);
+    const bool is_empty = material.medium < 0 && !absorbs(material);
+    if (is_empty && welded.open_edges > 0) continue;
     if (material.medium >= 0) check_mesh_around(scene.media[size_t(material.medium)], mesh, welded.open_edges);
-    all.push_back({material.medium, {}, &mesh, std::move(welded)});
+    const auto volume = float(volume_of(mesh, welded));
+    all.push_back({material.medium, {}, &mesh, std::move(welded), volume, is_empty});
   }
-  // In single precision volumes do not differ by rounding.
-  const auto rank = [&](const Boundary& b) {
-    const bool is_empty = b.medium < 0 && !absorbs(scene.materials[size_t(b.mesh->material)]);
-    return std::tuple(!b.mesh, float(b.mesh ? volume_of(*b.mesh, b.welded) : volume_of(b.box)), is_empty);
-  };
+  const auto rank = [](const Boundary& b) { return std::tuple(b.volume, !b.mesh, b.is_empty); };
   std::stable_sort(all.begin(), all.end(), [&](const Boundary& a, const Boundary& b) { return rank(a) < rank(b); });
   return all;
 }
@@ -212,6 +214,7 @@ class Media::Grid {
       return std::accumulate(of.begin(), of.end(), 0.0) / double(of.size());
     };
     // A ray steps from block to block, and to tentative particles, most of which are not real where densities in a block differ.
+    if (!(thickness > 0)) return;
     const double density = mean_of(values_.values);
     for (side_ = 8;; side_ /= 2) {
       set_majorants();
@@ -321,7 +324,8 @@ Media::Media(const Scene& scene, const Lines& lines, uint64_t seed) : lines_(lin
       medium = int(kinds_.size());
       kinds_.push_back({absorption_of(*layers_of_solid(*material), lines), -1, nullptr, true});
     }
-    regions_.push_back({medium, boundary.welded.open_edges > 0});
+    Region& bounded = regions_.emplace_back(Region{medium, boundary.welded.open_edges > 0, {}});
+    for (const Vec3& place : boundary.welded.places) bounded.bounds.include(place);
     if (!boundary.mesh) {
       boxes_.emplace_back(region, boundary.box);
       front_ = std::max(front_, boundary.box.high.z);
@@ -352,8 +356,9 @@ void Media::find_segments(const Ray& ray, double end, Segments& segments) const 
     const auto is_same = [&](const Crossing& other) { return other.region == c->region; };
     const auto next = std::find_if(c + 1, crossings.end(), is_same);
     const auto before = std::find_if(std::reverse_iterator(c), crossings.rend(), is_same);
-    const bool is_paired =
-        c->step > 0 ? next != crossings.end() && next->step < 0 : before == crossings.rend() || before->step > 0;
+    const bool is_paired = c->step > 0                  ? next != crossings.end() && next->step < 0
+                           : before == crossings.rend() ? regions_[size_t(c->region)].bounds.holds(ray.origin)
+                                                        : before->step > 0;
     if (!is_paired) c->step = 0;
   }
 

@@ -20,12 +20,12 @@ namespace holotrace {
 
 /// The media of a scene: where a ray is in which of them, where a particle stops it, and how much light passes.
 ///
-/// **Where.** Regions are closed meshes whose material has a medium, solids of glass without one, which absorb by their attenuation (PrincipledMaterial) or are empty, boxes, and one
-/// medium for the rest of space. Where several overlap, meshes come before boxes and boxes before the rest, and a smaller region
-/// before a larger one: so the innermost counts. A place is inside a mesh that winds around it any number of times but 0. Nothing is
+/// **Where.** Regions are closed meshes whose material has a medium, solids of glass without one, which absorb by their attenuation
+/// (PrincipledMaterial) or are empty, boxes, and one medium for the rest of space. Where several overlap, a smaller region comes before
+/// a larger one: so the innermost counts. A place is inside a mesh that winds around it any number of times but 0. Nothing is
 /// remembered along a path. The boundaries on the whole half line tell where it began, since a ray enters a region as often as it
-/// leaves it in the end. Glass without a medium may have holes. Its inside is then what lies between a face that a ray enters, or
-/// the ray's origin, and a face by which it leaves next.
+/// leaves it in the end. Glass that absorbs may have holes. Its inside is then what lies between a face that a ray enters, or an
+/// origin within the bounds of the mesh, and a face by which it leaves next. Other glass with holes is not empty.
 ///
 /// **Absorption alone.** A medium that neither scatters nor emits has no particles: light is dimmed by its transmittance.
 ///
@@ -87,6 +87,7 @@ class Media {
   struct Region {
     int medium;      // −1: empty
     bool has_holes;  // a mesh that is not closed
+    Box bounds;      // of a mesh
   };
   struct Segment {
     double from, to;  // [m]

@@ -71,10 +71,19 @@ const BrushedLoss& brushed_loss(Vec2 alpha) {
   if (last.loss && last.alpha.x == alpha.x && last.alpha.y == alpha.y) return *last.loss;
   static std::mutex mutex;
   static std::map<std::pair<double, double>, std::unique_ptr<const BrushedLoss>> known;
-  const std::lock_guard lock(mutex);
-  auto& loss = known[{alpha.x, alpha.y}];
-  if (!loss) loss = std::make_unique<const BrushedLoss>(make_brushed_loss(alpha));
-  last = {alpha, loss.get()};
+  const std::pair key(alpha.x, alpha.y);
+  const auto find = [&]() -> const BrushedLoss* {
+    const std::lock_guard lock(mutex);
+    const auto found = known.find(key);
+    return found == known.end() ? nullptr : found->second.get();
+  };
+  const BrushedLoss* loss = find();
+  if (!loss) {  // made without the lock, so that threads make theirs at the same time
+    auto made = std::make_unique<const BrushedLoss>(make_brushed_loss(alpha));
+    const std::lock_guard lock(mutex);
+    loss = known.try_emplace(key, std::move(made)).first->second.get();
+  }
+  last = {alpha, loss};
   return *loss;
 }
 

@@ -147,7 +147,7 @@ Vec3 emitted_radiance(const Material& material, const SurfacePoint& point, const
   if (!material.two_sided && !point.is_front) return {};
   if (is_hot(material)) {
     const auto& particles = std::get<ScatteringMaterial>(material.surface);
-    const Vec3 absorbed = Vec3{1, 1, 1} - lines.reflectance_of(particles.albedo);
+    const Vec3 absorbed = Vec3{1, 1, 1} - lines.from_rgb(particles.albedo);
     return emission_of(material, {1, 1, 1}, lines) + absorbed * point.colour * particles.blackbody;
   }
   return emission_of(

@@ -98,10 +98,7 @@ Vec3 tangent_of(const Principled& material, const SurfacePoint& point) {
   return along * std::cos(angle) + cross(front, along) * (side * std::sin(angle));
 }
 
-double few_values(double share) {
-  constexpr double steps = 64;
-  return std::round(share * steps) / steps;
-}
+double few_values(double share, double steps = 64) { return std::round(share * steps) / steps; }
 
 /// α of a solid's rough boundary. Those of textures have few values, as boundary_loss keeps a table of each.
 double alpha_of_solid(const Principled& material, double roughness) {
@@ -157,7 +154,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
     constexpr double least = 1e-3;  // along the grooves
     // Those of textures have few values, as brushed_loss keeps a table of each.
     const double even = material.roughness.texture.image ? std::pow(few_values(roughness), 2) : alpha,
-                 brush = material.anisotropy.texture.image ? few_values(strength) : strength;
+                 brush = material.anisotropy.texture.image ? few_values(strength, 16) : strength;
     b.facets.alpha = {std::fmax(even + (1 - even) * brush * brush, least), std::fmax(even, least)};
     b.tangent = tangent_of(material, point);
   }

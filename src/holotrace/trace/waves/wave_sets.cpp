@@ -103,10 +103,9 @@ std::vector<WaveSet> list_sets(const PathScene& scene, const Component& componen
   const TraceParams& params = component.params;
   const int path_groups = scene.automaton.path_groups(), groups = params.separate_lights ? scene.emitters.groups() : 1;
   const uint32_t point_path_groups = scene.automaton.accepted(scene.automaton.start());
-  require(
-      params.phase != SourcePhase::laser || !scene.detector,
-      "expected a phase other than laser in a scene with polarization, got laser; take phase path, or leave out the "
-      "analyser, polarisers and retarders");
+  require(params.phase != SourcePhase::laser || !scene.detector,
+          "expected a phase other than laser in a scene with polarization, got laser; take phase path, or leave out {}",
+          params.separate_polarizations ? "separate_polarizations" : "the analyser, polarisers and retarders");
   const std::vector<std::string>& names = scene.automaton.expressions();
   if (params.separate_path_groups)
     for (auto name = names.begin(); name != names.end(); ++name)
