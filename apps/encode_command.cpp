@@ -197,7 +197,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (is_picture && !params.target_distances.empty() && !o->panel.are_given() && !global.is_quiet)
       fmt::print(
           "{}to see the picture: {}\n",
-          is_method_given ? "" : "by the method phase, which shows outlines; --method sgd shows filled areas, too\n",
+          is_method_given ? "" : "method: phase, which shows the outlines of a picture; --method sgd shows all of it\n",
           command_to_see(o->output, holograms.size(), slm.grid, params));
   });
 }

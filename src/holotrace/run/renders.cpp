@@ -148,7 +148,7 @@ Image make_render(const Job& job, const RenderParams& params, const Observer& ob
 
 std::array<Image, 4> make_stokes(const Job& job, const RenderParams& params, const Observer& observer) {
   require(params.clamp == 0, "expected no clamp for the Stokes parameters, got {}; leave out clamp", params.clamp);
-  require(params.denoise != Denoise::all, "expected no denoising of the Stokes parameters; leave out denoise");
+  require(params.denoise != Denoise::all, "expected no denoising of the Stokes parameters, got all; leave out denoise");
   std::array<Image, 4> parameters;
   Job one = job;
   for (size_t k = 0; k < 4; ++k) {

@@ -266,23 +266,20 @@ std::vector<Field> gather(const Scene& scene, const Grid& panel, const std::vect
   Found found(side);
   bool has_laser = false;
   std::vector<Agreement> agreement(size_t(panel.ny), Agreement{});
-  const auto groups = group_wavelengths(scene, wavelengths);
-  const std::vector<Component> components = components_of(scene, params);
-  const size_t parts = groups.size() * components.size();
-  for (size_t i = 0; i < parts; ++i) {
-    const std::vector<double>& group = groups[i / components.size()];
-    const Component& component = components[i % components.size()];
+  const std::vector<TracedPart> parts = traced_parts(scene, wavelengths, params);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto& [group, component] = parts[i];
     const PathScene path_scene(scene, lines_of(group), params.path_expressions, path_params(component));
     if (i == 0) warn_of_caustics(path_scene, observer);
     const std::vector<WaveSet> sets = list_sets(path_scene, component, group, cones);
     for (const WaveSet& set : sets) has_laser |= set.has_laser;
     gather_group({path_scene, component.params, panel, sets, accepting_panel(panel, params), cones.of_rays, side},
-                 part_of(observer, int(i), int(parts)), found, agreement, fields);
+                 part_of(observer, int(i), int(parts.size())), found, agreement, fields);
   }
   sort_by_wavelength(fields, wavelengths);
   report(found.counts, params.max_depth, observer);
   observer.fact("first_hits", Fact(found.first_hits));
-  const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(parts);
+  const int64_t rays = panel.pixels() * params.pixel_samples * int64_t(parts.size());
   Brightness points;
   for (const ScenePoint& point : scene.points) points.add(double(point.amplitude) * point.amplitude);
   warn_of_findings({rays, found.first_hits, found.light == 0, has_laser, points, found.surfaces}, scene, panel,

@@ -365,12 +365,9 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
   std::vector<Sources> sets;
   Totals totals;
   bool has_laser = false;
-  const auto groups = group_wavelengths(scene, wavelengths);
-  const std::vector<Component> components = components_of(scene, params);
-  const size_t parts = groups.size() * components.size();
-  for (size_t i = 0; i < parts; ++i) {
-    const std::vector<double>& group = groups[i / components.size()];
-    const Component& component = components[i % components.size()];
+  const std::vector<TracedPart> parts = traced_parts(scene, wavelengths, params);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto& [group, component] = parts[i];
     const PathScene path_scene(scene, lines_of(group), params.path_expressions, path_params(component));
     if (!pattern && (has_surfaces(scene) || params.has_background)) pattern.emplace(params, panel, cones.of_rays);
     if (i == 0) warn_of_caustics(path_scene, observer);
@@ -378,7 +375,7 @@ std::vector<Sources> trace(const Scene& scene, const Grid& panel, const std::vec
     for (const WaveSet& set : wave_sets) has_laser |= set.has_laser;
     const Tracing tracing{path_scene, component.params, pattern ? &*pattern : nullptr, tiles, wave_sets, side,
                           panel,      cones.of_rays};
-    trace_group(tracing, part_of(observer, int(i), int(parts)), totals, sets);
+    trace_group(tracing, part_of(observer, int(i), int(parts.size())), totals, sets);
   }
   sort_by_wavelength(sets, wavelengths);
   if (pattern) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <string_view>
 #include <variant>
 
 #include "holotrace/base/error.h"
@@ -189,6 +190,13 @@ Sky read_sky(TomlTable& table) {
 
 }  // namespace
 
+std::optional<double> kelvins_in(const std::string& text) {
+  double kelvins = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), kelvins);
+  const std::string_view unit(end, size_t(text.data() + text.size() - end));
+  return error == std::errc() && (unit == " K" || unit == "K") ? std::optional(kelvins) : std::nullopt;
+}
+
 std::shared_ptr<const Spectrum> read_spectrum(TomlTable& table, const char* key) {
   const toml::node* node = table.find(key);
   if (!node) return nullptr;
@@ -200,11 +208,8 @@ std::shared_ptr<const Spectrum> read_spectrum(TomlTable& table, const char* key)
   table.text(key, name);
   Spectrum spectrum;
   table.locate(key, [&] {
-    double kelvin = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), kelvin);
-    const std::string unit(static_cast<const char*>(end), size_t(name.data() + name.size() - end));
-    if (error == std::errc() && (unit == " K" || unit == "K"))
-      spectrum = blackbody_spectrum(kelvin);
+    if (const auto kelvins = kelvins_in(name))
+      spectrum = blackbody_spectrum(*kelvins);
     else if (name.find('.') != std::string::npos)
       spectrum = load_spectrum(table.beside(key, name));
     else

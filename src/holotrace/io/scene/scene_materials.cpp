@@ -322,20 +322,16 @@ Vec3 read_filter_axis(TomlTable& table) {
   return axis;
 }
 
-FilterMaterial read_polariser(TomlTable& table) {
+FilterMaterial read_filter(TomlTable& table, bool is_retarder) {
   FilterMaterial surface;
   surface.axis = read_filter_axis(table);
   table.number("transmittance", surface.transmittance, range::fraction);
-  table.number("leakage", surface.leakage, range::fraction);
-  return surface;
-}
-
-FilterMaterial read_retarder(TomlTable& table) {
-  FilterMaterial surface;
-  surface.axis = read_filter_axis(table);
+  if (!is_retarder) {
+    table.number("leakage", surface.leakage, range::fraction);
+    return surface;
+  }
   table.angle("delay", surface.delay, range::any);
   table.length("path_difference", surface.path_difference, range::any);
-  table.number("transmittance", surface.transmittance, range::fraction);
   surface.leakage = surface.transmittance;
   return surface;
 }
@@ -358,10 +354,8 @@ Material read_material(TomlTable table, const std::map<std::string, int>& media)
     material.surface = read_principled(table);
   else if (type == "measured")
     material.surface = read_measured(table);
-  else if (type == "polariser")
-    material.surface = read_polariser(table);
-  else if (type == "retarder")
-    material.surface = read_retarder(table);
+  else if (type == "polariser" || type == "retarder")
+    material.surface = read_filter(table, type == "retarder");
   else if (type == "interface")
     material.opacity = 0;
   else

@@ -1,7 +1,6 @@
 #include "holotrace/io/scene/scene_media.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "holotrace/data/named_medium.h"
 #include "holotrace/data/params/parameter.h"
 #include "holotrace/io/scene/cells_file.h"
+#include "holotrace/io/scene/scene_lights.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/toml_table.h"
 
@@ -47,14 +47,6 @@ Cells read_cells(TomlTable& table, const char* key, const Medium& medium, const 
              rows = size_t(grid.ny / cells.planes);
   fail("{}expected {}, got {} in plane {}, row {}, column {}", table.where(key), range, *bad, row / rows, row % rows,
        place % size_t(grid.nx));
-}
-
-// The number of a text such as "1800 K".
-std::optional<double> kelvins_in(const std::string& text) {
-  double kelvins = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), kelvins);
-  const std::string_view unit(end, size_t(text.data() + text.size() - end));
-  return error == std::errc() && (unit == " K" || unit == "K") ? std::optional(kelvins) : std::nullopt;
 }
 
 // The temperature of all particles [K], or a grid. Such particles absorb, if nothing else is said.

@@ -418,15 +418,17 @@ void TomlTable::require_key(const char* key) {
 }
 
 void TomlTable::refuse_unknown_keys() const {
+  std::set<std::string> names = known_;
+  names.insert(asked_.begin(), asked_.end());
   for (auto&& [key, node] : *table_) {
     const std::string name(key.str());
     if (known_.contains(name)) continue;
     const std::vector<std::string> tables = tables_with(name);
-    const bool is_known_elsewhere = !tables.empty() && nearest_name(name, {known_.begin(), known_.end()}).empty();
+    const bool is_known_elsewhere = !tables.empty() && nearest_name(name, {names.begin(), names.end()}).empty();
     throw Error(place(key.source()) +
                 (is_known_elsewhere
                      ? fmt::format("unknown key \"{}\" in {}; it belongs {}", name, name_, fmt::join(tables, " or "))
-                     : unknown_name_message("key", name, {known_.begin(), known_.end()})));
+                     : unknown_name_message("key", name, {names.begin(), names.end()})));
   }
 }
 

@@ -65,7 +65,10 @@ class TomlTable {
 
   const std::string& name() const { return name_; }
   const toml::table& toml() const { return *table_; }
-  bool has(const char* key) const { return table_->contains(key); }
+  bool has(const char* key) const {
+    asked_.insert(key);
+    return table_->contains(key);
+  }
 
   /// The index into `arrays` that a key of a table in memory holds; nothing if it holds something else.
   std::optional<size_t> array_index(const char* key);
@@ -183,6 +186,7 @@ class TomlTable {
   std::shared_ptr<const SceneArrays> arrays_;  // nullptr for tables from files
   std::shared_ptr<SceneTime> time_;            // nullptr for tables without keys over time
   std::set<std::string> known_;
+  mutable std::set<std::string> asked_;  // keys that may be there, for suggestions
 };
 
 }  // namespace holotrace

@@ -216,7 +216,7 @@ PolarizationChange change(const PrincipledBsdf& b, Vec3 outgoing, Vec3 incoming,
   Vec3 once;
   if (!is_transmission && b.coat > 0 && !b.is_inside && b.is_coat_smooth() == is_smooth) {
     const Facets coat = once_by(b.coat_facets, b.coat * sheen);
-    const BoundaryReflectance boundary{.f0 = white * b.coat_f0};
+    const BoundaryReflectance boundary{.f0 = white * b.coat_f0, .multiple = {}};
     add_reflection(sum, boundary, coat.cosine, coat.light);
     once += boundary.at(coat.cosine) * coat.light;
   }

@@ -55,6 +55,14 @@ std::vector<Component> components_of(const Scene& scene, const TraceParams& para
   return {std::move(horizontal), std::move(vertical)};
 }
 
+std::vector<TracedPart> traced_parts(const Scene& scene, const std::vector<double>& wavelengths,
+                                     const TraceParams& params) {
+  std::vector<TracedPart> parts;
+  for (const std::vector<double>& group : group_wavelengths(scene, wavelengths))
+    for (const Component& component : components_of(scene, params)) parts.push_back({group, component});
+  return parts;
+}
+
 PathParams path_params(const Component& component) {
   const TraceParams& params = component.params;
   PathParams path;

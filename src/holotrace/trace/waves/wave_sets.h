@@ -44,6 +44,14 @@ struct Component {
 /// @throws Error  for separate polarizations behind an analyser
 std::vector<Component> components_of(const Scene& scene, const TraceParams& params);
 
+/// What is traced at once: one group of wavelengths, one polarization.
+struct TracedPart {
+  std::vector<double> group;  // [m]
+  Component component;
+};
+std::vector<TracedPart> traced_parts(const Scene& scene, const std::vector<double>& wavelengths,
+                                     const TraceParams& params);
+
 /// The parameters of light paths, taken from those of the tracing.
 PathParams path_params(const Component& component);
 
