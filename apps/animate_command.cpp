@@ -94,6 +94,10 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
     check_time_of_film(first, first, plan.from_last);
     if (plan.from_last) plan.walk = walk_through(measured_places(first, plan.times), first);
     if (first.tracked) plan.job_at(plan.times.back());  // a track that ends before is an error at once
+    if (plan.times.size() > 1 && !last_change(first) && !first.tracked && !global.is_quiet)
+      say("warning: nothing in {} changes with time, so all {} pictures are alike; give keys over time, an animated model, or an "
+          "--eye-track\n",
+          printable(o->scene), plan.times.size());
     // Ranks share the times, or the frames of times that depend on each other.
     Ranks& ranks = *global.ranks;
     const size_t count = plan.times.size();

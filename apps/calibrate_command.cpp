@@ -123,7 +123,7 @@ void fit_photographs(const FitOptions& o, const GlobalFlags& global) {
   Console console(global.is_quiet);
   PanelFit fit = fit_panel(plan, photographs, params, console.watch("calibrate"));
   console.finish();
-  if (!o.name.empty()) fit.slm.name = o.name;
+  fit.slm.name = o.name.empty() ? std::filesystem::path(o.output).stem().string() : o.name;
   fit.slm.source = fmt::format("holotrace calibrate: {} photographs at {}, {} from the panel", photographs.size(),
                                format_length(fit.slm.design_wavelength), format_length(plan.distance));
   const std::string name = std::filesystem::path(o.output).filename().string();
@@ -174,7 +174,7 @@ void add_calibrate_command(CLI::App& app, const GlobalFlags& global) {
                   "and NAME_residuals.png")
       ->required()
       ->type_name("FILE.toml");
-  fit->add_option("--name", f->name, "name of the panel [that of the assumed panel]")->type_name("NAME");
+  fit->add_option("--name", f->name, "name of the panel [that of the file]")->type_name("NAME");
   fit->add_flag("--json", f->is_json, "as JSON");
   f->flags.add(*fit, CalibrateParams());
   fit->callback([f, &global] { fit_photographs(*f, global); });

@@ -40,6 +40,7 @@ void add_show_command(CLI::App& app, const GlobalFlags& global);
 void add_propagate_command(CLI::App& app, const GlobalFlags& global);
 void add_compare_command(CLI::App& app, const GlobalFlags& global);
 void add_limits_command(CLI::App& app, const GlobalFlags& global);
+void add_examples_command(CLI::App& app, const GlobalFlags& global);
 void add_info_command(CLI::App& app, const GlobalFlags& global);
 void add_estimate_command(CLI::App& app, const GlobalFlags& global);
 void add_calibrate_command(CLI::App& app, const GlobalFlags& global);

@@ -186,7 +186,7 @@ Comparison compare_images(ImagePair pair, const CompareOptions& o, size_t i = 0)
                          {"scale", number(m.scale)},
                          {"rms_error", number(m.rms_error)},
                          {"speckle_contrast", number(m.speckle_contrast)},
-                         {"diffraction_efficiency", number(m.bright_fraction)},
+                         {"bright_fraction", number(m.bright_fraction)},
                          {"power_ratio", number(m.power_ratio)},
                          {"uniformity", number(m.uniformity)},
                          {"psnr_amplitude_db", number(m.psnr_amplitude)},

@@ -23,24 +23,38 @@
 
 namespace holotrace {
 
+// A bar that is drawn again and again on a terminal; elsewhere a line every 10 s, for logs of long jobs.
 struct Console::Bar {
   using Clock = std::chrono::steady_clock;
-  std::string stage, status;
-  std::mutex mutex;
-  Clock::time_point start = Clock::now(), drawn{};
+  bool is_terminal;
+  std::string stage, status{};
+  std::mutex mutex{};
+  Clock::time_point start = Clock::now(), drawn = start;
   double fraction = 0;
-  TimeLeft time_left;
+  TimeLeft time_left{};
 
   void draw() {
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    const std::optional<double> left = time_left.estimate(seconds, fraction);
+    const std::string figures = fmt::format("{:3.0f} %  {}{}{}", 100 * fraction, format_duration(seconds),
+                                            left ? ", " + format_duration(*left) + " left" : std::string(),
+                                            status.empty() ? status : ", " + status);
     constexpr int width = 30;
     const int full = int(fraction * width);
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    const std::string bar = std::string(size_t(full), '#') + std::string(size_t(width - full), '.');
-    const std::optional<double> left = time_left.estimate(seconds, fraction);
-    say("\r\033[K{:<16} [{}] {:3.0f} %  {}{}{}", stage, bar, 100 * fraction, format_duration(seconds),
-        left ? ", " + format_duration(*left) + " left" : std::string(), status.empty() ? status : ", " + status);
+    if (is_terminal)
+      say("\r\033[K{:<16} [{}{}] {}", stage, std::string(size_t(full), '#'), std::string(size_t(width - full), '.'),
+          figures);
+    else
+      say("{:<16} {}\n", stage, figures);
     std::fflush(stderr);
     drawn = Clock::now();
+  }
+
+  void end() {
+    if (!is_terminal) return;
+    fraction = 1;
+    draw();
+    say("\n");
   }
 
   void tell(const std::string& text) {
@@ -51,7 +65,7 @@ struct Console::Bar {
   void update(double value) {
     const std::lock_guard lock(mutex);
     fraction = std::max(fraction, std::min(value, 1.0));
-    if (Clock::now() - drawn > std::chrono::milliseconds(100)) draw();
+    if (Clock::now() - drawn > std::chrono::milliseconds(is_terminal ? 100 : 10'000)) draw();
   }
 };
 
@@ -101,7 +115,7 @@ void Console::keep_report(const std::string& path) {
 
 void Console::keep_progress_in(const std::string& folder) { kept_ = std::make_shared<KeptProgress>(folder); }
 
-Console::Console(bool is_quiet) : is_terminal_(!is_quiet && isatty(STDERR_FILENO)) {}
+Console::Console(bool is_quiet) : is_quiet_(is_quiet), is_terminal_(!is_quiet && isatty(STDERR_FILENO)) {}
 
 Observer Console::watch(const std::string& stage) {
   finish();
@@ -109,17 +123,14 @@ Observer Console::watch(const std::string& stage) {
   observer.on_warning = [stage, is_terminal = is_terminal_](const std::string& sentence) {
     say("{}warning: {}: {}\n", is_terminal ? "\r\033[K" : "", stage, printable(sentence));
   };
-  if (is_terminal_) {
-    bar_ = std::make_shared<Bar>();
-    bar_->stage = stage;
-    bar_->draw();
-  }
+  if (!is_quiet_) bar_ = std::make_shared<Bar>(is_terminal_, stage);
+  if (is_terminal_) bar_->draw();
   if (kept_) {
     const std::lock_guard lock(kept_->mutex);
     kept_->file.begin_stage(stage);
   }
   if (report_) observer = report_->begin(stage, std::move(observer));
-  if (!is_terminal_ && !kept_) return observer;
+  if (!bar_ && !kept_) return observer;
   observer.on_progress = [bar = bar_, kept = kept_](double fraction) {
     if (bar) bar->update(fraction);
     if (!kept) return;
@@ -136,15 +147,12 @@ Observer Console::watch(const std::string& stage) {
 }
 
 void Console::clear() {
-  if (bar_) say("\r\033[K");
+  if (is_terminal_ && bar_) say("\r\033[K");
 }
 
 void Console::finish() {
   if (report_) report_->end();
-  if (!bar_) return;
-  bar_->fraction = 1;
-  bar_->draw();
-  say("\n");
+  if (bar_) bar_->end();
   bar_.reset();
 }
 
@@ -188,10 +196,14 @@ void print_light_of_eyes(const StageReport& stage) {
 
 }  // namespace
 
+void print_chosen(const std::vector<Chosen>& chosen) {
+  std::vector<std::string> texts;
+  for (const Chosen& one : chosen) texts.push_back(one.parameter + " " + one.value);
+  if (!texts.empty()) fmt::print("chosen: {}\n", fmt::join(texts, ", "));
+  std::fflush(stdout);
+}
+
 void print_summary(const Report& report, const std::string& folder, const FileRecord& files) {
-  std::vector<std::string> chosen;
-  for (const Chosen& one : report.chosen) chosen.push_back(one.parameter + " " + one.value);
-  if (!chosen.empty()) fmt::print("chosen: {}\n", fmt::join(chosen, ", "));
   double total = 0;
   for (const StageReport& stage : report.stages) {
     std::vector<std::string> texts;

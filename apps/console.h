@@ -34,7 +34,7 @@ inline Observer warnings_on_terminal() {
   return observer;
 }
 
-/// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, no bars in a
+/// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, a line every 10 s of a stage in a
 /// pipe, and every warning.
 class Console {
  public:
@@ -63,11 +63,14 @@ class Console {
   struct Bar;
   struct KeptProgress;
   struct KeptReport;
-  bool is_terminal_;
+  bool is_quiet_, is_terminal_;
   std::shared_ptr<Bar> bar_;
   std::shared_ptr<KeptProgress> kept_;
   std::shared_ptr<KeptReport> report_;
 };
+
+/// Prints what was chosen for a job that did not say it.
+void print_chosen(const std::vector<Chosen>& chosen);
 
 /// Prints what a run did: a line per stage with its seconds and its main figures, its views in words, and the files that it
 /// wrote.

@@ -134,8 +134,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
     const bool is_stack = is_focal_stack_file(o->input),
                is_field = !is_stack && (!has_image_ending(o->input) || is_field_file(o->input));
-    const bool is_method_given = params.method != Encoding::automatic;
-    params.method = method_or(params.method, is_stack ? Encoding::sgd : Encoding::phase);
+    params.method = method_or(params.method, is_field ? Encoding::phase : Encoding::sgd);
     require(o->plot.empty() || traits_of(params.method).aims_at_targets,
             "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
             "leave it out, or use one of these");
@@ -195,10 +194,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     checkpoints.remove();
     const bool is_picture = !is_field && !is_stack;
     if (is_picture && !params.target_distances.empty() && !o->panel.are_given() && !global.is_quiet)
-      fmt::print(
-          "{}to see the picture: {}\n",
-          is_method_given ? "" : "method: phase, which shows the outlines of a picture; --method sgd shows all of it\n",
-          command_to_see(o->output, holograms.size(), slm.grid, params));
+      fmt::print("to see the picture: {}\n", command_to_see(o->output, holograms.size(), slm.grid, params));
   });
 }
 

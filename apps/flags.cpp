@@ -199,6 +199,27 @@ const CLI::Option* option_named(const CLI::App* command, const std::string& name
 
 }  // namespace
 
+std::vector<std::string> with_bare_flags(const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<std::string> truths{"true", "false", "yes", "no", "on", "off", "1", "0"};
+  std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  const CLI::App* command = &app;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    std::string& argument = arguments[i];
+    for (const CLI::App* sub : command->get_subcommands({}))
+      if (sub->get_name() == argument) {
+        command = sub;
+        break;
+      }
+    if (!argument.starts_with("--")) continue;
+    const CLI::Option* option = option_named(command, argument);
+    if (option == nullptr || option->get_type_name() != "BOOL") continue;
+    const bool has_value =
+        i + 1 < arguments.size() && std::find(truths.begin(), truths.end(), arguments[i + 1]) != truths.end();
+    if (!has_value) argument += "=true";
+  }
+  return arguments;
+}
+
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
   const CLI::App* command = command_of(app);
   const std::string text = error.what();

@@ -130,6 +130,10 @@ class Flags {
   std::map<std::string, std::string> other_names_;
 };
 
+/// The arguments after the program's name, in which a flag that takes true or false and has neither behind it is true:
+/// `--resample picture.png` becomes `--resample=true picture.png`.
+std::vector<std::string> with_bare_flags(const CLI::App& app, int argc, const char* const* argv);
+
 /// What is wrong with the arguments of the program, in one sentence, with the nearest known command or flag.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv);
 

@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -13,6 +14,9 @@
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "checkpoints.h"
 #include "commands.h"
@@ -80,7 +84,7 @@ void use_kept_files() {
 // Runs the command line. @throws what its command throws, but for wrong usage, which is reported. @return the exit code
 int parse_and_run(int argc, char** argv, holotrace::Ranks& ranks) {
   using namespace holotrace;
-  CLI::App app{"Holotrace turns 3D scenes into holograms and shows what a viewer sees."};
+  CLI::App app{"Holotrace turns 3D scenes into holograms and shows what a viewer sees.", "holotrace"};
   app.set_version_flag("--version", std::string("holotrace ") + HOLOTRACE_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
@@ -110,6 +114,7 @@ int parse_and_run(int argc, char** argv, holotrace::Ranks& ranks) {
   add_propagate_command(app, global);
   add_compare_command(app, global);
   add_limits_command(app, global);
+  add_examples_command(app, global);
   add_info_command(app, global);
   add_estimate_command(app, global);
   add_calibrate_command(app, global);
@@ -121,7 +126,9 @@ int parse_and_run(int argc, char** argv, holotrace::Ranks& ranks) {
 
   const CommandFiles files;
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments = with_bare_flags(app, argc, argv);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(std::move(arguments));
     return 0;
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error, argc, argv);

@@ -101,6 +101,7 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     make_folder(o->folder);
     const FolderLock lock(o->folder);
     for (const std::string& path : run_paths(o->folder)) note_output(path);
+    if (!global.is_quiet) print_chosen(job.chosen);
     std::optional<JobEstimate> estimate;
     if (o->is_estimated) estimate = estimate_job(job);
     Console console(global.is_quiet);

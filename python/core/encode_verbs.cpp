@@ -46,7 +46,7 @@ std::vector<Hologram> encode_fields(const std::vector<Field>& fields, const Slm*
 
 std::vector<Hologram> encode_picture(const Image& picture, const Slm& slm, nb::handle wavelengths,
                                      const std::vector<Hologram>& last, const nb::dict& given, Watch& watch) {
-  const EncodeParams params = encode_params(given);
+  const EncodeParams params = encode_params(given, Encoding::sgd);
   const std::vector<double> colours = to_wavelengths(wavelengths);
   return encode_with(params, slm, 1, watch, last, [&](const Observer& observer) {
     if (!params.resample) return job_of_picture(picture, slm, colours, params, observer);

@@ -24,7 +24,8 @@ nb::dict compare_images(const Image& reference, const Image& image) {
   Metrics m;
   {
     const nb::gil_scoped_release release;
-    m = compare(reference, image);
+    const bool are_alike = reference.channels == image.channels;
+    m = are_alike ? compare(reference, image) : compare(luminance_of(reference), luminance_of(image));
   }
   nb::dict metrics;
   metrics["psnr"] = m.psnr;
@@ -35,7 +36,7 @@ nb::dict compare_images(const Image& reference, const Image& image) {
   metrics["scale"] = m.scale;
   metrics["rms_error"] = m.rms_error;
   metrics["speckle_contrast"] = m.speckle_contrast;
-  metrics["diffraction_efficiency"] = m.bright_fraction;
+  metrics["bright_fraction"] = m.bright_fraction;
   metrics["power_ratio"] = m.power_ratio;
   metrics["uniformity"] = m.uniformity;
   return metrics;

@@ -89,7 +89,10 @@ double to_length(nb::handle value, const char* name, Quantity quantity) {
 }
 
 double to_angle(nb::handle value, const char* name) {
-  return to_quantity(value, name, "an angle in radians, or a text with its unit such as \"15 deg\",", parse_angle);
+  const double radians =
+      to_quantity(value, name, "an angle in radians, or a text with its unit such as \"15 deg\",", parse_angle);
+  if (!is_text(value)) check_bare_angle(radians, name);
+  return radians;
 }
 
 double to_time(nb::handle value, const char* name) {

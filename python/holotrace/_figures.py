@@ -22,8 +22,9 @@ def compare(reference: Union[Image, Field], other: Union[Image, Field]) -> Dict[
     """How an image or a field differs from its reference.
 
     Images: ``psnr`` and ``psnr_unscaled`` [dB], ``psnr_amplitude`` [dB], ``ssim``, ``ssim_unscaled``, ``scale``,
-    ``rms_error``, ``speckle_contrast``, ``diffraction_efficiency``, ``power_ratio``, ``uniformity``. Fields:
-    ``relative_error``, ``scaled_error``, ``scale``, ``correlation``.
+    ``rms_error``, ``speckle_contrast``, ``bright_fraction``, ``power_ratio``, ``uniformity``. Fields:
+    ``relative_error``, ``scaled_error``, ``scale``, ``correlation``. Of an image in colour and a grey one, such as a render and
+    a view of one wavelength, the luminances are compared.
     """
     if isinstance(reference, Image) and isinstance(other, Image):
         return dict(_core.compare_images(reference._core, other._core))

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core
 from ._checked import items, table
+from ._encode import Run
 from ._fields import Path
 from ._holograms import Hologram, load_hologram
 from ._images import Image
@@ -92,7 +93,7 @@ def _paths_of(given: Any) -> List[str]:
 
 @takes("camera")
 def view(
-    holograms: Union[Hologram, Path, Sequence[Union[Hologram, Path]]],
+    holograms: Union[Run, Hologram, Path, Sequence[Union[Hologram, Path]]],
     slm: Optional[Panel] = None,
     *,
     show: Optional[Mapping[str, Any]] = None,
@@ -103,13 +104,14 @@ def view(
 ) -> Views:
     """What a camera or an eye sees of holograms on a panel: the program's ``show``.
 
-    ``holograms`` are holograms, their files, and folders of runs, which stand for all of their holograms.
+    ``holograms`` are holograms, their files, and runs or folders of runs, which stand for all of their holograms.
     Several holograms are shown one after the other: those of one wavelength and name are averaged as frames, different
     names are added, and different wavelengths become colours. ``slm`` is the panel; None: the one that each hologram was
     made for, or an ideal one of its size. ``distances``, ``pupil`` and ``eye`` that are not given are those with which the
     first hologram's run looked at it, if it knows them. ``show`` and ``propagate`` have parameters of these verbs. An
     ``eye_separation`` adds a stereo pair, with the eyes to the left and to the right of ``eye``.
     """
+    holograms = holograms.holograms if isinstance(holograms, Run) else holograms
     is_one = isinstance(holograms, (Hologram, str, os.PathLike))
     each: List[Any] = [holograms] if is_one else items(holograms, "a hologram or several to view")
     parts = [_paths_of(one) if isinstance(one, (str, os.PathLike)) else [one] for one in each]

@@ -7,6 +7,7 @@
 #include "end_to_end/expect_error.h"
 #include "end_to_end/scenes.h"
 #include "end_to_end/succeed.h"
+#include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 
 namespace holotrace::test {
@@ -21,6 +22,12 @@ std::vector<std::string> quick_run(const std::vector<std::string>& more) {
                                      "2",   "--paths", "1",     "-o",     "out"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
+}
+
+void save_grey(const std::string& path, int rows, int columns) {
+  Image picture(rows, columns, 1);
+  picture.values.assign(picture.values.size(), 0.5F);
+  save_image(path, picture, 1, 8);
 }
 
 void expect_words(const Workplace& work, const std::vector<std::string>& arguments, const std::string& words) {
@@ -90,6 +97,69 @@ TEST(FirstSteps, AMisspeltCommandOfCommandsIsNamed) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("unknown command \"pattern\"; did you mean \"patterns\"?"), std::string::npos)
       << outcome.err;
+}
+
+// The example scenes come with the program. A copy that the user changed is never lost.
+TEST(FirstSteps, ExamplesAreListedAndCopied) {
+  const Workplace work;
+  const std::string list = succeed(work, {"examples"});
+  EXPECT_NE(list.find("chess_film.toml"), std::string::npos) << list;
+  EXPECT_NE(list.find("The chess game of Fig. 10 on a quarter of the panel"), std::string::npos) << list;
+  succeed(work, {"examples", "-o", "scenes"});
+  succeed(work, {"info", "scenes/fig09_textured_quad.toml"});  // with its texture
+  succeed(work, {"examples", "-o", "scenes"});
+  work.write("scenes/candle.toml", "mine");
+  expect_error(work, {"examples", "-o", "scenes"}, {"folder without changed examples, got scenes/candle.toml"});
+  EXPECT_EQ(work.read("scenes/candle.toml"), "mine");
+}
+
+// A flag that takes true or false stands alone, before a file, too.
+TEST(FirstSteps, AFlagOfTrueOrFalseNeedsNoValue) {
+  const Workplace work;
+  work.write("p.toml", panel_file);
+  save_grey(work.path("picture.png"), 6, 8);
+  const std::vector<std::string> rest{"--slm",        "p.toml", "--wavelength", "532 nm", "--target-distances", "8 mm",
+                                      "--iterations", "1",      "-o",           "h.png"};
+  const auto encode = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "encode");
+    words.insert(words.end(), rest.begin(), rest.end());
+    return words;
+  };
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"--resample", "picture.png"}, {"picture.png", "--resample"}, {"picture.png", "--resample", "true"}})
+    succeed(work, encode(words));
+  expect_error(work, encode({"picture.png", "--resample", "false"}), {"resample"});
+  expect_error(work, encode({"picture.png", "--resample", "yes"}), {"--resample: expected true or false, got \"yes\""});
+}
+
+TEST(FirstSteps, APictureIsEncodedByIterations) {
+  const Workplace work;
+  work.write("p.toml", panel_file);
+  save_grey(work.path("picture.png"), 24, 32);
+  const std::string said = succeed(work, {"encode", "picture.png", "--slm", "p.toml", "--wavelength", "532 nm",
+                                          "--target-distances", "8 mm", "--iterations", "2", "-o", "h.png"});
+  EXPECT_NE(said.find("to see the picture: holotrace show h.png"), std::string::npos) << said;
+  EXPECT_EQ(nlohmann::json::parse(succeed(work, {"info", "h.png", "--json"})).at("encoder"), "sgd");
+}
+
+TEST(FirstSteps, APanelSaysWhichEffectsAreOn) {
+  const Workplace work;
+  work.write("p.toml", std::string(panel_file) + "crosstalk = 0.2\n");
+  const auto effects = [&](const char* panel) {
+    return nlohmann::json::parse(succeed(work, {"info", "--slm", panel, "--json"})).at("effects");
+  };
+  EXPECT_EQ(effects("p.toml"), "on: crosstalk");
+  EXPECT_EQ(effects("pluto"), "off; turn them on with --effects all");
+  expect_error(work, {"info", "--slm", "p"}, {"unknown SLM \"p\"; did you mean the panel file \"p.toml\"?"});
+  work.write("wide.toml", "columns = 32\nrows = 24\npitch = \"8 mm\"\n");
+  expect_error(work, {"info", "--slm", "wide.toml"}, {"pixels are at most 1 mm wide, got 8 mm; pixels of 8 um?"});
+}
+
+TEST(FirstSteps, AFilmOfWhatRestsIsAWarning) {
+  const Workplace work;
+  work.write("scene.toml", mesh_scene());
+  expect_words(work, {"animate", "scene.toml", "-o", "film", "--times", "0 s, 1 s"},
+               "nothing in scene.toml changes with time, so all 2 pictures are alike");
 }
 
 }  // namespace

@@ -134,6 +134,20 @@ def test_compare_has_the_figures_of_the_program(tmp_path, program):
         assert value == written[name + "_db" if name.startswith("psnr") else name]
 
 
+def test_compare_takes_the_luminance_beside_a_grey_picture():
+    grey = np.random.default_rng(1).random((12, 16)).astype(np.float32)
+    colour = np.stack([grey, 0.5 * grey, 2 * grey], axis=-1)  # luminance: 0.2126 + 0.5 · 0.7152 + 2 · 0.0722 of it
+    figures = ht.compare(ht.Image(colour), ht.Image(grey))
+    assert figures["scale"] == pytest.approx(0.2126 + 0.3576 + 0.1444, rel=1e-6) and figures["ssim"] == pytest.approx(1)
+
+
+def test_view_takes_a_run():
+    scene = ht.Scene(wavelength="532 nm", slm={"columns": 32, "rows": 24}, camera={"distances": "100 mm"},
+                     object=[{"type": "points", "points": [[0, 0, -0.1]]}])
+    run = ht.run(scene)
+    assert np.array_equal(np.asarray(ht.view(run)), np.asarray(ht.view(run.holograms)))
+
+
 def test_compare_of_fields_is_the_norm_of_their_difference(waves):
     other = ht.Field(2j * waves.samples, waves.pitch, waves.wavelength)
     figures = ht.compare(waves, other)

@@ -145,6 +145,17 @@ def lit(**more):
         light=[{"type": "point", "position": "0 0 -50 mm", "intensity": 0.01}], **more)
 
 
+def test_an_angle_without_a_unit_is_in_radians():
+    assert same(ht.render(lit(object=[{**quad(6e-3, 5e-3), "position": (0, 0, -0.1)}], analyser=np.pi / 2)), ht.render(lit(object=[{**quad(6e-3, 5e-3), "position": (0, 0, -0.1)}], analyser="90 deg")))
+    with pytest.raises(ht.Error, match='expected radians for "analyser", got 90; write "90 deg", or "90 rad" if you mean it'):
+        lit(analyser=90)
+
+
+def test_errors_count_the_objects():
+    with pytest.raises(ht.Error, match=r"^\[object\[1\]\]: expected"):
+        lit(object=[{**quad(6e-3, 5e-3), "position": (0, 0, -0.1)}, {"type": "sphere", "size": -1}])
+
+
 def test_a_mesh_of_arrays_is_the_mesh_itself():
     """Four corners and two triangles are the program's own rectangle, so the pictures are the same to rounding."""
     place = {"position": (0, 0, -0.1), "rotation": "y 20 deg"}
@@ -184,9 +195,9 @@ def test_points_of_arrays_are_waves():
         ({"faces": [[0.0, 1, 2]]}, "expected whole numbers in faces"),
         ({"vertices": np.full((4, 3), np.nan)}, "expected finite numbers in vertices"),
         ({"normals": np.ones((3, 3))}, "expected one of normals for each of 4 vertices, got 3"),
-        ({"material": "gold"}, r'\[\[object\]\]: unknown material "gold"'),
-        ({"colour": 1}, r'\[\[object\]\]: unknown key "colour"'),
-        ({"position": (0, 0, 0)}, r"\[\[object\]\]: expected the object behind the panel"),
+        ({"material": "gold"}, r'\[object\[0\]\]: unknown material "gold"'),
+        ({"colour": 1}, r'\[object\[0\]\]: unknown key "colour"'),
+        ({"position": (0, 0, 0)}, r"\[object\[0\]\]: expected the object behind the panel"),
     ],
 )
 def test_bad_arrays_of_a_scene_are_refused(entry, message):

@@ -128,6 +128,7 @@ TEST(MediaRegions, AMeshIsInsideWhereItWindsAround) {
     both.triangles.push_back({first + i, first + j, first + k});
   }
   both.positions.insert(both.positions.end(), second.positions.begin(), second.positions.end());
+  both.normals.clear();
   scene.meshes = {both};
   EXPECT_NEAR(thickness(scene, {0, 0, -0.1}, {0, 0, -0.5}), 2 * 0.035, rounding_of_lengths);
   open_ink(scene, 1, {});

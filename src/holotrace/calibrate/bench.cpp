@@ -127,15 +127,16 @@ namespace {
 
 using Complex = std::complex<float>;
 
-constexpr double samples_per_fringe = 2.5;  // of the finest fringe, between the light of opposite borders of the panel
-constexpr double least_crosstalk = 0.02;    // [pixels]: no effect below
+// Of the finest fringe, between the light of opposite borders of the panel. Pixels of a camera are interpolated between them: with
+// fewer, or with samples on the panel's own pixels, a fit can end at a crosstalk that is a tenth too small.
+constexpr double samples_per_fringe = 4;
+constexpr double least_crosstalk = 0.02;  // [pixels]: no effect below
 
 // The window has the panel's size, and samples that represent the irradiance.
 PropagateParams window_of(const Grid& grid, double wavelength, double distance) {
   const double side = std::max(grid.width(), grid.height());
   PropagateParams params;
   params.pitch = std::min(grid.pitch, wavelength * distance / (samples_per_fringe * side));
-  if (params.pitch > 0.8 * grid.pitch) params.pitch = grid.pitch;
   params.columns = int(std::lround(grid.width() / params.pitch));
   params.rows = int(std::lround(grid.height() / params.pitch));
   return params;

@@ -347,7 +347,9 @@ Json describe_slm(const Slm& slm) {
   json["design_wavelength"] =
       slm.design_wavelength > 0 ? format_length(slm.design_wavelength) : "the wavelength in use";
   const Json effects = describe_effects(slm);
-  json["effects"] = effects.empty() ? Json("none") : Json("off by default; enable with --effects all");
+  json["effects"] = effects.empty()           ? "none"
+                    : slm.own_effects.empty() ? "off; turn them on with --effects all"
+                                              : fmt::format("on: {}", fmt::join(slm.own_effects, ", "));
   for (const auto& [name, text] : effects.items()) json[name] = text;
   if (!slm.source.empty()) json["source"] = slm.source;
   if (!slm.preset.empty()) json["read_from"] = slm.preset;

@@ -36,6 +36,14 @@ double value_within(const std::string& text, const Range& range, const std::stri
   return value;
 }
 
+void check_bare_angle(double radians, const std::string& name) {
+  const bool is_phase = name.find("phase") != std::string::npos || name.find("delay") != std::string::npos;
+  constexpr double turn = 6.2832;  // 2π, rounded up
+  require(is_phase || std::abs(radians) <= turn,
+          "expected radians for \"{0}\", got {1:g}; write \"{1:g} deg\", or \"{1:g} rad\" if you mean it", name,
+          radians);
+}
+
 std::vector<double> values_within(const std::string& text, const Range& range, const std::string& name,
                                   Quantity quantity) {
   std::vector<double> values = quantity == Quantity::wavelength ? parse_wavelengths(text, name)

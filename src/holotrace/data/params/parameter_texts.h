@@ -13,6 +13,10 @@
 
 namespace holotrace {
 
+/// Checks an angle that was given as a number without a unit [rad]: 90 is meant to be 90 deg. Phases and delays may be larger.
+/// @throws Error  if it is beyond a turn
+void check_bare_angle(double radians, const std::string& name);
+
 /// Returns what `read` returns; puts the name of the flag in front of an Error that it throws.
 template <class Read>
 auto read_flag(const std::string& flag, const Read& read) {

@@ -269,7 +269,8 @@ PlyVertices read_ply(const std::string& path, bool with_faces) {
     require(!columns || (columns->count == 0 && columns->names.empty()),
             "{}: expected one element \"{}\" in the PLY file, got two; export it again", path, element.name);
     has_vertices = has_vertices || are_vertices;
-    if (!columns && !are_strips) vertices.other_elements.push_back(element.name);
+    const bool is_number_of_colours = element.name == "color";  // in files of the OpenHolo library
+    if (!columns && !are_strips && !is_number_of_colours) vertices.other_elements.push_back(element.name);
     if (columns) {
       columns->count = element.count;
       for (const Property& p : element.properties)

@@ -1,6 +1,5 @@
 #include "holotrace/io/scene/slm_file.h"
 
-#include <dlfcn.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -18,6 +17,7 @@
 #include "holotrace/io/files/text.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/toml_table.h"
+#include "holotrace/io/shipped_files.h"
 
 namespace holotrace {
 namespace {
@@ -268,6 +268,8 @@ KnownPanel panel_named(const std::string& name) {
   const auto has_name = [&](const KnownPanel& panel) { return panel.name == name; };
   const auto found = std::find_if(known.begin(), known.end(), has_name);
   if (found != known.end()) return *found;
+  const std::string file = name + ".toml";
+  require(!holotrace::is_file(file), "unknown SLM \"{}\"; did you mean the panel file \"{}\"?", name, file);
   std::vector<std::string> names;
   for (const KnownPanel& panel : known) names.push_back(panel.name);
   const auto has_type = [&](const std::string& one) { return !name.empty() && one.ends_with("-" + name); };
@@ -284,12 +286,8 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
 
 // The file of a panel that comes with the program; "" if there is none.
 std::string built_in_file(const std::string& name) {
-  const std::vector<std::string> of_user = user_panel_folders();
-  for (const std::string& folder : panel_folders()) {
-    const fs::path file = fs::path(folder) / (name + ".toml");
-    if (std::find(of_user.begin(), of_user.end(), folder) == of_user.end() && holotrace::is_file(file))
-      return file.string();
-  }
+  for (const std::string& folder : shipped_folders("panels"))
+    if (const fs::path file = fs::path(folder) / (name + ".toml"); holotrace::is_file(file)) return file.string();
   return "";
 }
 
@@ -367,23 +365,10 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
 }  // namespace
 
 std::vector<std::string> panel_folders() {
-  const std::vector<std::string> of_user = user_panel_folders();
-  std::vector<fs::path> wanted(of_user.begin(), of_user.end());
-  std::error_code ignored;
-  Dl_info library{};  // the program, or a shared library such as the module of the Python package
-  if (dladdr(reinterpret_cast<const void*>(&slm_preset_names), &library) != 0 && library.dli_fname)
-    wanted.push_back(fs::path(library.dli_fname).parent_path() / "panels");
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-  if (!program.empty()) {
-    const fs::path above = program.parent_path().parent_path();
-    wanted.push_back(above / "share" / "holotrace" / "panels");
-    wanted.push_back(above / "holotrace" / "panels");  // a program beside the Python package
-  }
-  wanted.emplace_back(HOLOTRACE_PANELS_INSTALLED);
-  wanted.emplace_back(HOLOTRACE_PANELS_SOURCE);
   std::vector<std::string> folders;
-  for (const fs::path& folder : wanted)
-    if (is_folder(folder)) folders.push_back(folder.string());
+  for (const std::string& folder : user_panel_folders())
+    if (is_folder(folder)) folders.push_back(folder);
+  for (const std::string& folder : shipped_folders("panels")) folders.push_back(folder);
   return folders;
 }
 

@@ -363,6 +363,7 @@ void TomlTable::angle(const char* key, double& value, const Range& range) {
     double radians = 0;
     try {
       radians = parse_angle(*text);
+      if (!node.is_string()) check_bare_angle(radians, key);
     } catch (const Error& e) {
       throw Error(place(node.source()) + e.what());
     }
@@ -384,12 +385,14 @@ std::vector<TomlTable> TomlTable::tables(const char* key) {
   std::vector<TomlTable> found;
   const toml::node* node = find_value(key);
   if (!node) return found;
-  const char* expected = arrays_ ? "a list of dicts, [{...}, ...]," : "tables headed [[…]]";
+  const std::string expected =
+      arrays_ ? "a list of dicts, [{...}, ...]," : fmt::format("tables headed [[{}]], with two brackets,", key);
   const toml::array* items = node->as_array();
-  if (!items) fail_kind(key, expected, *node);
+  if (!items) fail_kind(key, expected.c_str(), *node);
   for (const toml::node& item : *items) {
-    if (!item.is_table()) fail_kind(key, expected, item);
-    found.push_back(inner(*item.as_table(), fmt::format("[[{}]]", key)));
+    if (!item.is_table()) fail_kind(key, expected.c_str(), item);
+    found.push_back(
+        inner(*item.as_table(), fmt::format(fmt::runtime(arrays_ ? "[{}[{}]]" : "[[{}]]"), key, found.size())));
   }
   return found;
 }
