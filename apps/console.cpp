@@ -23,7 +23,7 @@
 
 namespace holotrace {
 
-// A bar that is drawn again and again on a terminal; elsewhere a line every 10 s, for logs of long jobs.
+// A bar that is drawn again and again on a terminal; elsewhere a line every 30 s, for logs of long jobs.
 struct Console::Bar {
   using Clock = std::chrono::steady_clock;
   bool is_terminal;
@@ -65,7 +65,7 @@ struct Console::Bar {
   void update(double value) {
     const std::lock_guard lock(mutex);
     fraction = std::max(fraction, std::min(value, 1.0));
-    if (Clock::now() - drawn > std::chrono::milliseconds(is_terminal ? 100 : 10'000)) draw();
+    if (Clock::now() - drawn > std::chrono::milliseconds(is_terminal ? 100 : 30'000)) draw();
   }
 };
 

@@ -34,7 +34,7 @@ inline Observer warnings_on_terminal() {
   return observer;
 }
 
-/// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, a line every 10 s of a stage in a
+/// Output of the program on the terminal (stderr): one progress bar per stage on a terminal, a line every 30 s of a stage in a
 /// pipe, and every warning.
 class Console {
  public:
