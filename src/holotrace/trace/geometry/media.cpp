@@ -5,9 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
-#include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "holotrace/base/error.h"
@@ -15,6 +12,8 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/cie.h"
 #include "holotrace/data/medium_checks.h"
+#include "holotrace/trace/geometry/medium_boundaries.h"
+#include "holotrace/trace/geometry/medium_grid.h"
 
 namespace holotrace {
 
@@ -48,55 +47,6 @@ Vec3 passed(Vec3 extinction, double length) {
   return {of(extinction.x), of(extinction.y), of(extinction.z)};
 }
 
-/// A mesh whose vertices at one place, up to 1e-6 of its size, are one.
-struct Welded {
-  std::vector<Vec3> places;
-  std::vector<uint32_t> number;  // of the place of each vertex
-  size_t open_edges = 0;         // that do not belong to two triangles of opposite sense
-};
-
-Welded weld(const Mesh& mesh) {
-  Box bounds;
-  for (const Vec3& p : mesh.positions) bounds.include(p);
-  const double quantum = std::max(1e-6 * length(bounds.high - bounds.low), 1e-300);
-  Welded welded;
-  std::map<std::array<int64_t, 3>, uint32_t> places;
-  for (const Vec3& p : mesh.positions) {
-    // The offset keeps the round numbers at which models place vertices away from where rounding decides.
-    const auto cell = [&](double v) { return int64_t(std::floor(v / quantum + 0.382)); };
-    const Vec3 q = p - bounds.low;
-    const auto [place, is_new] =
-        places.emplace(std::array{cell(q.x), cell(q.y), cell(q.z)}, uint32_t(welded.places.size()));
-    if (is_new) welded.places.push_back(p);
-    welded.number.push_back(place->second);
-  }
-  std::map<std::pair<uint32_t, uint32_t>, int> edges;
-  for (const auto& triangle : mesh.triangles)
-    for (size_t n = 0; n < 3; ++n) {
-      const uint32_t a = welded.number[triangle[n]], b = welded.number[triangle[(n + 1) % 3]];
-      if (a != b) edges[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  welded.open_edges =
-      size_t(std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second != 0; }));
-  return welded;
-}
-
-/// The volume of a closed mesh, whichever way its faces are turned [m³].
-double volume_of(const Mesh& mesh, const Welded& welded) {
-  const Vec3 from = welded.places.front();
-  double sum = 0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const auto corner = [&](uint32_t vertex) { return welded.places[welded.number[vertex]] - from; };
-    sum += dot(corner(i), cross(corner(j), corner(k))) / 6;
-  }
-  return std::abs(sum);
-}
-
-double volume_of(const Box& box) {
-  const Vec3 size = box.high - box.low;
-  return size.x * size.y * size.z;
-}
-
 /// The part [from, to] of a ray in a box; empty if from ≥ to.
 std::pair<double, double> part_in(const Box& box, const Ray& ray) {
   double from = -unending, to = unending;
@@ -115,33 +65,6 @@ std::pair<double, double> part_in(const Box& box, const Ray& ray) {
   return {from, to};
 }
 
-/// The layers around a solid that light enters, if a mesh bounds one.
-const PrincipledMaterial* layers_of_solid(const Material& material) {
-  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
-  return layers && layers->transmission.value > 0 && !layers->is_thin ? layers : nullptr;
-}
-
-bool is_solid(const Material& material) {
-  if (const auto* glass = std::get_if<DielectricMaterial>(&material.surface)) return !glass->is_thin;
-  return layers_of_solid(material) != nullptr;
-}
-
-/// Whether the solid of a mesh absorbs by itself. A medium in it takes the place of that.
-bool absorbs(const Material& material) {
-  const PrincipledMaterial* layers = layers_of_solid(material);
-  return layers && material.medium < 0 && std::isfinite(layers->attenuation_distance) &&
-         !(layers->attenuation_color == Vec3{1, 1, 1});
-}
-
-/// The absorption σ of such a solid [1/m]: the colour after a distance d is exp(−σ·d).
-Vec3 absorption_of(const PrincipledMaterial& solid, const Lines& lines) {
-  const Vec3 colour = lines.reflectance_of(solid.attenuation_color);
-  const auto of = [&](double share) {
-    return -std::log(std::clamp(share, std::numeric_limits<double>::min(), 1.0)) / solid.attenuation_distance;
-  };
-  return {of(colour.x), of(colour.y), of(colour.z)};
-}
-
 /// Whether light that meets a particle of a medium is lost.
 bool only_absorbs(const Scene& scene, const Medium& medium) {
   const Material& particle = scene.materials[size_t(medium.material)];
@@ -149,169 +72,15 @@ bool only_absorbs(const Scene& scene, const Medium& medium) {
   return scattering && scattering->albedo == Vec3{} && scattering->blackbody == 0 && particle.emission == Vec3{};
 }
 
-/// What a region is bounded by.
-struct Boundary {
-  int medium;  // −1: empty
-  Box box;     // without a mesh
-  const Mesh* mesh = nullptr;
-  Welded welded{};
-  float volume = 0;  // [m³]; in single precision volumes do not differ by rounding
-  bool is_empty = false;
-};
-
-/// The box of a medium without a mesh: all space behind the panel, if it has none of its own.
-Box box_of(const Medium& medium) {
-  if (!medium.box) return {{-unending, -unending, -unending}, {unending, unending, 0}};
-  return {medium.box->low, medium.box->high};
-}
-
-void check_mesh_around(const Medium& medium, const Mesh& mesh, size_t open_edges) {
-  require(open_edges == 0,
-          "expected a closed mesh around the medium \"{}\", got the mesh \"{}\" with {} open edges; close it, or "
-          "fill a box",
-          medium.name, mesh.name, open_edges);
-  const auto [back, front] = std::minmax_element(mesh.positions.begin(), mesh.positions.end(),
-                                                 [](const Vec3& a, const Vec3& b) { return a.z < b.z; });
-  require(!(back->z < 0 && front->z > 0),
-          "expected the mesh \"{}\" with the medium \"{}\" on one side of the panel, got one from z = {} to {}; "
-          "move it behind the panel",
-          mesh.name, medium.name, format_length(back->z), format_length(front->z));
-}
-
-/// The boundaries of a scene in the order in which they count: smaller before larger ones, and of two that are as large a mesh
-/// before a box, and one with a medium before an empty one. Glass without a medium that is not closed bounds nothing.
-std::vector<Boundary> boundaries_of(const Scene& scene) {
-  std::vector<Boundary> all;
-  for (size_t i = 0; i < scene.media.size(); ++i)
-    if (const Box box = box_of(scene.media[i]); scene.media[i].is_open)
-      all.push_back({int(i), box, nullptr, {}, float(volume_of(box))});
-  for (const Mesh& mesh : scene.meshes) {
-    const Material& material = scene.materials[size_t(mesh.material)];
-    if (mesh.triangles.empty() || (material.medium < 0 && !is_solid(material))) continue;
-    Welded welded = weld(mesh);
-    const bool is_empty = material.medium < 0 && !absorbs(material);
-    if (is_empty && welded.open_edges > 0) continue;
-    if (material.medium >= 0) check_mesh_around(scene.media[size_t(material.medium)], mesh, welded.open_edges);
-    const auto volume = float(volume_of(mesh, welded));
-    all.push_back({material.medium, {}, &mesh, std::move(welded), volume, is_empty});
-  }
-  const auto rank = [](const Boundary& b) { return std::tuple(b.volume, !b.mesh, b.is_empty); };
-  std::stable_sort(all.begin(), all.end(), [&](const Boundary& a, const Boundary& b) { return rank(a) < rank(b); });
-  return all;
-}
-
 }  // namespace
-
-/// Values in a box, interpolated linearly between the centres of cells, and its majorants.
-class Media::Grid {
- public:
-  /// @param thickness  of a cell of the value 1, as tentative particles of the densest colour meet it; 0: has no particles
-  Grid(const std::optional<MediumBox>& box, const Cells& cells, double thickness)
-      : box_(box.value_or(MediumBox{{-1, -1, -1}, {1, 1, 1}})),  // of one cell; none matters
-        values_(*cells.values),
-        size_{values_.nx, values_.ny / cells.planes, cells.planes} {
-    const auto mean_of = [](const std::vector<float>& of) {
-      return std::accumulate(of.begin(), of.end(), 0.0) / double(of.size());
-    };
-    // A ray steps from block to block, and to tentative particles, most of which are not real where densities in a block differ.
-    if (!(thickness > 0)) return;
-    const double density = mean_of(values_.values);
-    for (side_ = 8;; side_ /= 2) {
-      set_majorants();
-      const double steps_to_none = thickness * (mean_of(majorants_) - density) * side_;
-      if (side_ == 2 || !(steps_to_none > 1)) break;
-    }
-  }
-
-  double at(Vec3 place) const {
-    const Vec3 p = in_cells(place) - Vec3{0.5, 0.5, 0.5};
-    const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
-    double sum = 0;
-    for (int c = 0; c < 8; ++c) {
-      const int i = c & 1, j = c >> 1 & 1, k = c >> 2;
-      const double share = std::abs(1 - i - (p.x - x)) * std::abs(1 - j - (p.y - y)) * std::abs(1 - k - (p.z - z));
-      if (share > 0) sum += share * value(int(x) + i, int(y) + j, int(z) + k);
-    }
-    return sum;
-  }
-
-  /// Calls visit(from, to, majorant) for the blocks on a part of a ray in their order, until it returns true.
-  template <class Visit>
-  bool visit_blocks(const Ray& ray, double from, double to, const Visit& visit) const {
-    const Vec3 start = in_cells(ray.origin + ray.direction * from) * (1.0 / side_),
-               end = in_cells(ray.origin + ray.direction * to) * (1.0 / side_), way = end - start;
-    const std::array<double, 3> origin{start.x, start.y, start.z}, step{way.x, way.y, way.z};
-    std::array<int, 3> block, direction;
-    std::array<double, 3> next, apart;  // where the ray leaves the block along an axis, as a fraction of the way
-    for (size_t a = 0; a < 3; ++a) {
-      block[a] = std::clamp(int(std::floor(origin[a])), 0, blocks_[a] - 1);
-      direction[a] = step[a] > 0 ? 1 : -1;
-      const double edge = block[a] + (step[a] > 0 ? 1 : 0);
-      next[a] = step[a] != 0 ? (edge - origin[a]) / step[a] : unending;
-      apart[a] = step[a] != 0 ? 1 / std::abs(step[a]) : unending;
-    }
-    for (double passed = 0; passed < 1;) {
-      const size_t a = size_t(std::min_element(next.begin(), next.end()) - next.begin());
-      const double until = std::clamp(next[a], passed, 1.0);
-      constexpr double rounding = 1 + 1e-9;  // of interpolation
-      const double majorant = double(majorants_[index(block[0], block[1], block[2])]) * rounding;
-      if (until > passed && majorant > 0 && visit(from + passed * (to - from), from + until * (to - from), majorant))
-        return true;
-      passed = until;
-      block[a] += direction[a];
-      next[a] += apart[a];
-      if (block[a] < 0 || block[a] >= blocks_[a]) break;
-    }
-    return false;
-  }
-
- private:
-  void set_majorants() {
-    for (size_t a = 0; a < 3; ++a) blocks_[a] = (size_[a] + side_ - 1) / side_;
-    majorants_.resize(size_t(blocks_[0]) * size_t(blocks_[1]) * size_t(blocks_[2]));
-    for (int k = 0; k < blocks_[2]; ++k)
-      for (int j = 0; j < blocks_[1]; ++j)
-        for (int i = 0; i < blocks_[0]; ++i) majorants_[index(i, j, k)] = largest_near(i, j, k);
-  }
-
-  size_t index(int i, int j, int k) const {
-    return (size_t(k) * size_t(blocks_[1]) + size_t(j)) * size_t(blocks_[0]) + size_t(i);
-  }
-
-  Vec3 in_cells(Vec3 place) const {
-    const Vec3 p = place - box_.low, all = box_.high - box_.low;
-    return {p.x / all.x * size_[0], p.y / all.y * size_[1], p.z / all.z * size_[2]};
-  }
-
-  double value(int i, int j, int k) const {
-    i = std::clamp(i, 0, size_[0] - 1);
-    j = std::clamp(j, 0, size_[1] - 1);
-    k = std::clamp(k, 0, size_[2] - 1);
-    return double(values_(k * size_[1] + j, i));
-  }
-
-  /// The largest value that the interpolation in a block uses: one cell more on every side.
-  float largest_near(int i, int j, int k) const {
-    double largest = 0;
-    for (int z = side_ * k - 1; z <= side_ * (k + 1); ++z)
-      for (int y = side_ * j - 1; y <= side_ * (j + 1); ++y)
-        for (int x = side_ * i - 1; x <= side_ * (i + 1); ++x) largest = std::max(largest, value(x, y, z));
-    return float(largest);
-  }
-
-  MediumBox box_;
-  const Image& values_;
-  std::array<int, 3> size_, blocks_{};
-  int side_ = 8;  // of a block, in cells
-  std::vector<float> majorants_;
-};
 
 Media::Media(const Scene& scene, const Lines& lines, uint64_t seed) : lines_(lines), seed_(seed) {
   for (const Medium& medium : scene.media) {
     const auto grid_of = [&](const Cells& cells, double thickness) {
-      return cells.values ? grids_.emplace_back(std::make_unique<Grid>(medium.box, cells, thickness)).get() : nullptr;
+      return cells.values ? grids_.emplace_back(std::make_unique<MediumGrid>(medium.box, cells, thickness)).get()
+                          : nullptr;
     };
-    const Grid* grid = grid_of(medium.density, medium.density.values ? cell_thickness(medium) : 0);
+    const MediumGrid* grid = grid_of(medium.density, medium.density.values ? cell_thickness(medium) : 0);
     kinds_.push_back({lines.from_rgb(medium.extinction), medium.material, grid, only_absorbs(scene, medium),
                       grid_of(medium.temperature, 0)});
   }
@@ -322,7 +91,7 @@ Media::Media(const Scene& scene, const Lines& lines, uint64_t seed) : lines_(lin
     const Material* material = boundary.mesh ? &scene.materials[size_t(boundary.mesh->material)] : nullptr;
     if (material && absorbs(*material)) {
       medium = int(kinds_.size());
-      kinds_.push_back({absorption_of(*layers_of_solid(*material), lines), -1, nullptr, true});
+      kinds_.push_back({absorption_of(*material, lines), -1, nullptr, true});
     }
     Region& bounded = regions_.emplace_back(Region{medium, boundary.welded.open_edges > 0, {}});
     for (const Vec3& place : boundary.welded.places) bounded.bounds.include(place);

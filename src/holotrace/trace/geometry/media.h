@@ -18,6 +18,8 @@
 
 namespace holotrace {
 
+class MediumGrid;
+
 /// The media of a scene: where a ray is in which of them, where a particle stops it, and how much light passes.
 ///
 /// **Where.** Regions are closed meshes whose material has a medium, solids of glass without one, which absorb by their attenuation
@@ -76,13 +78,12 @@ class Media {
   double reach_of_particles(const ScenePrecision& scene) const;
 
  private:
-  class Grid;
   struct Kind {
-    Vec3 extinction;    // at the lines [1/m]
-    int material;       // of the particles
-    const Grid* grid;   // of densities; nullptr: even
-    bool only_absorbs;  // has no particles
-    const Grid* temperature = nullptr;
+    Vec3 extinction;         // at the lines [1/m]
+    int material;            // of the particles
+    const MediumGrid* grid;  // of densities; nullptr: even
+    bool only_absorbs;       // has no particles
+    const MediumGrid* temperature = nullptr;
   };
   struct Region {
     int medium;      // −1: empty
@@ -112,8 +113,8 @@ class Media {
   bool visit_tentative(const Ray& ray, const Segment& segment, uint64_t& random, const Visit& visit) const;
   Vec3 passed_on(const Ray& ray, const Segment& segment, uint64_t& random) const;
 
-  std::vector<Kind> kinds_;                   // of each medium, then of solids that absorb
-  std::vector<std::unique_ptr<Grid>> grids_;  // of those that have some
+  std::vector<Kind> kinds_;                         // of each medium, then of solids that absorb
+  std::vector<std::unique_ptr<MediumGrid>> grids_;  // of those that have some
   Lines lines_;
   std::vector<Region> regions_;                 // of several at one place, the first counts
   std::vector<std::pair<int, Box>> boxes_;      // of regions
