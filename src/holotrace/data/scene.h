@@ -189,8 +189,8 @@ struct Medium {
   int material = -1;     ///< index into Scene::materials: a ScatteringMaterial, with the emission of a particle
   bool is_open = false;  ///< whether it fills its box, or without a box the whole of space; else meshes
   std::optional<MediumBox> box{};
-  Cells density;      ///< factors for the extinction, 0 or more; 1 without them
-  Cells temperature;  ///< of black particles [K]; one cell: the same everywhere, also without a box
+  Cells density{};      ///< factors for the extinction, 0 or more; 1 without them
+  Cells temperature{};  ///< of black particles [K]; one cell: the same everywhere, also without a box
 };
 
 /// Triangles of one material.
