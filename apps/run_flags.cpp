@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/scene/eye_track_file.h"
+#include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/run/choose.h"
 #include "holotrace/run/pipeline.h"
@@ -47,9 +47,13 @@ void shorten_help(CLI::App& command, const std::vector<std::string>& examples, c
 }
 
 void add_scene(CLI::App& command, std::string& path) {
-  command.add_option("scene", path, "scene file (TOML, see docs/reference/scene_format.md), or a mesh by itself")
+  command
+      .add_option(
+          "scene", path,
+          "scene file (TOML, see docs/reference/scene_format.md), or by itself: a mesh; a series of meshes or pictures "
+          "(wave_####.ply, frame_####.png); a film (.mp4, by the program ffmpeg)")
       ->required()
-      ->type_name("SCENE.toml|MESH");
+      ->type_name("SCENE.toml|MESH|PICTURES");
 }
 
 void SceneFlags::add(CLI::App& command, bool has_time) {
@@ -62,14 +66,14 @@ void SceneFlags::add(CLI::App& command, bool has_time) {
           "dots, such as camera.pupil=\"3 mm\" or object.2.position=\"0 0 -300 mm\"; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  flags.add(command, ModelParams(), {}, "Models (files of meshes or points in place of a scene)");
+  flags.add(command, ModelParams(), {}, "Models (files of meshes, points or pictures in place of a scene)");
 }
 
 ModelParams SceneFlags::model(const std::string& scene) const {
   ModelParams model;
   flags.apply(model);
-  for (const char* name : {"up", "rotation", "fit", "floor", "model_distance"})
-    require(!flags.has(name) || is_mesh_file(scene),
+  for (const char* name : {"up", "rotation", "fit", "floor", "model_distance", "series_fps"})
+    require(!flags.has(name) || is_model(scene),
             "expected {} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
             dashed(name), scene);
   return model;
@@ -152,7 +156,7 @@ Job RunFlags::job(const std::string& scene, Outside outside, std::optional<doubl
       !job.eye.track.empty() || eye_.texts().empty(),
       "expected an eye track beside --eye-latency, --eye-noise, --eye-seed and --eye-predict; give --eye-track, or [eye] track in the scene");
   follow_eye_track(job);
-  if (is_mesh_file(scene) && (trace_.has("columns") || trace_.has("rows")))
+  if (is_model(scene) && (trace_.has("columns") || trace_.has("rows")))
     job.warnings.emplace_back(
         "--columns and --rows are rays of the trace, not pixels of the panel; give another panel by --slm");
   if (camera_.has("eye")) aim_at_eye_of_camera(job);

@@ -12,9 +12,10 @@
 #include <tuple>
 #include <utility>
 
+#include "arrays.h"
 #include "holotrace/data/job.h"
-#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/scene/eye_track_file.h"
+#include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/run/choose.h"
@@ -200,7 +201,17 @@ void bind_scenes(nb::module_& module) {
     return nb::make_tuple(j.scene.meshes.size(), triangles, j.scene.points.size(), j.scene.lights.size());
   });
 
-  module.def("is_model", [](const std::string& path) { return is_mesh_file(path); });
+  job.def_prop_ro("meshes", [](nb::handle self) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    nb::list meshes;
+    for (const Mesh& mesh : nb::cast<const Job&>(self).scene.meshes)
+      meshes.append(nb::make_tuple(
+          mesh.name, view(self, reinterpret_cast<const double*>(mesh.positions.data()), {mesh.positions.size(), 3}),
+          view(self, mesh.triangles.data()->data(), {mesh.triangles.size(), 3})));
+    return meshes;
+  });
+
+  module.def("is_model", [](const std::string& path) { return is_model(path); });
   module.def("slm_of_table", [](const nb::dict& dict) {
     SceneArrays none;
     return slm_of_table(to_table(dict, none));

@@ -159,6 +159,11 @@ class Scene(Noun):
         """The time at which the scene was read [s]."""
         return float(self._core.time)
 
+    @property
+    def meshes(self) -> List[Tuple[str, np.ndarray, np.ndarray]]:
+        """The name, the vertices [m] and the faces (rows of three vertices) of each mesh, at the scene's time."""
+        return [(name, vertices.copy(), faces.copy()) for name, vertices, faces in self._core.meshes]
+
     def parameters(self, stage: str) -> Dict[str, Any]:
         """The parameters of a stage: "trace", "render", "synthesize", "encode", "show", "propagate", "camera",
         "animate" or "eye"."""
@@ -211,18 +216,20 @@ def load_scene(
     model_distance: Optional[Length] = None,
     model_lights: Optional[str] = None,
     model_camera: Optional[str] = None,
+    series_fps: Optional[float] = None,
     allow_outside: bool = False,
     time: Optional[Time] = None,
     shutter: Optional[Time] = None,
     edits: Optional[Mapping[str, Any]] = None,
 ) -> Scene:
-    """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it.
+    """The scene of a file: .toml, or a model such as .glb or .obj with a panel, light and camera around it, or pictures that follow
+    each other: a series such as frame_####.png, or a film.
 
     ``slm``: panel in place of that of the file; models are placed to fill its view (None: ``"pluto"``). For models: ``up``, the
     axis that is up in the file; ``rotation``, such as ``"y 30 deg"``; ``fit``, the part of the view that it fills; ``floor``,
     "round" or "none"; ``model_distance``, from the panel to its middle; ``model_lights``, "file", "studio" or "auto": the lamps of
     the file, two of a photographer, or those of the file if it has any; ``model_camera``, the name of a camera of the file whose
-    view is shown in place of up, rotation, fit and floor.
+    view is shown in place of up, rotation, fit and floor; ``series_fps``, the files per second of a series of models or pictures.
 
     ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
     animations of models are read; None: that of the file, or 0. ``shutter``: as for `Scene`; None: that of the file. ``edits``: values in
@@ -238,6 +245,7 @@ def load_scene(
         "model_distance": model_distance,
         "model_lights": model_lights,
         "model_camera": model_camera,
+        "series_fps": series_fps,
     }
     given = {key: value for key, value in placed.items() if value is not None}
     if given and not _core.is_model(os.fspath(path)):

@@ -244,6 +244,100 @@ std::string optimised_scene() {
          "position = { \"0 s\" = \"-0.1 0 -32 mm\", \"1 s\" = \"0.1 0 -32 mm\" }\n";
 }
 
+// A white square of 40 pixels moves by 4 pixels from one picture to the next: each picture has its own holograms, those of a run at
+// that time, and a film goes on after an interruption. The view shows the square where the picture has it: it is 0.5 of the view, which is
+// 256 pixels, wide.
+TEST(Animate, PicturesThatFollowEachOtherAreAFilm) {
+  const Workplace work;
+  for (int k = 0; k < 3; ++k) {
+    Image picture(96, 128, 1);
+    for (int j = 28; j < 68; ++j)
+      for (int i = 20 + 4 * k; i < 60 + 4 * k; ++i) picture(j, i) = 1;
+    save_image(work.path("p_0" + std::to_string(k + 7) + ".png"), picture, 1, 8);
+  }
+  work.write("panel.toml", fmt::format("columns = {}\nrows = {}\npitch = \"8 um\"\n", small_panel.nx, small_panel.ny));
+  const std::vector<std::string> pictures{
+      "p_##.png", "--slm",    "panel.toml", "--series-fps", "10", "--fit",       "0.5",   "--method", "sgd", "--target",
+      "render",   "--frames", "1",          "--iterations", "20", "--reference", "quick", "-q"};
+  const auto command = [&](const std::vector<std::string>& first, const std::vector<std::string>& last) {
+    std::vector<std::string> all = first;
+    all.insert(all.end(), pictures.begin(), pictures.end());
+    all.insert(all.end(), last.begin(), last.end());
+    const Outcome outcome = work.run(all);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  command({"animate"}, {"-o", "film", "--fps", "10"});
+  const auto files = files_of(work, "film");
+  EXPECT_TRUE(work.has("film/t_0003/hologram.png"));
+  EXPECT_FALSE(work.has("film/t_0004"));
+  std::filesystem::remove_all(work.path("film/t_0002"));
+  command({"animate"}, {"-o", "film", "--fps", "10"});
+  EXPECT_EQ(files_of(work, "film"), files);
+  command({"run"}, {"-o", "still", "--time", "150 ms"});
+  EXPECT_EQ(work.read("still/hologram.png"), work.read("film/t_0002/hologram.png"));
+  double before = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Image view = load_image(work.path("film/t_000" + std::to_string(k + 1) + "/film_view.exr"));
+    double light = 0, place = 0;
+    for (int j = 0; j < view.ny; ++j)
+      for (int i = 0; i < view.nx; ++i) {
+        light += view(j, i);
+        place += view(j, i) * (i + 0.5 - view.nx / 2.0);
+      }
+    // Centre (40 + 4k − 64)/128 of 0.5 of the view; light beside the square is even and counts nothing on the left or the right.
+    if (k > 0) EXPECT_NEAR(place / light - before, view.nx * 0.5 * 4 / 128, 0.25 * view.nx * 0.5 * 4 / 128) << k;
+    before = place / light;
+  }
+}
+
+// Films flicker where still parts change. With the error e(x, t) of the view against the render, over the places x of still parts,
+//
+//     mean over x of var_t e − mean over t of var_x e = var_t (mean over x of e) − var_x (mean over t of e),
+//
+// so the noise over time is below that over places unless the picture as a whole becomes brighter and darker by more than the errors that
+// rest. Views are exposed by their renders, from which the light of the panel follows.
+TEST(Animate, StillPartsFlickerLessThanTheyAreNoisy) {
+  const Workplace work;
+  work.write("scene.toml",
+             scene_head(small_panel, "background = 0.5\n") +
+                 "[render]\nrows = 96\npaths = 1\n[encode]\nmethod = \"sgd\"\ntarget = \"render\"\n"
+                 "iterations = 12\n[trace]\nframes = 1\n[camera]\ndistances = \"32 mm\"\n[animate]\nfps = 5\n"
+                 "[[object]]\ntype = \"quad\"\nwidth = \"0.7 mm\"\nheight = \"0.7 mm\"\nposition = \"-0.5 0 -32 mm\"\n"
+                 "[[object]]\ntype = \"quad\"\nwidth = \"0.3 mm\"\nheight = \"0.3 mm\"\n"
+                 "position = { \"0 s\" = \"0.5 -0.3 -32 mm\", \"1 s\" = \"0.5 0.3 -32 mm\" }\n");
+  for (const char* from_last : {"false", "true"}) {
+    ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "film", "--from-last", from_last, "-q"}).exit_code, 0);
+    std::vector<std::vector<double>> errors;  // of each time, in the middle of the square that rests
+    for (int t = 1; t <= 5; ++t) {
+      const std::string folder = work.path("film/t_000" + std::to_string(t) + "/");
+      const Image view = load_image(folder + "film_view.exr"), render = load_image(folder + "film_render.exr");
+      std::vector<double>& of_time = errors.emplace_back();
+      for (int j = 0; j < view.ny; ++j)
+        for (int i = 0; i < view.nx; ++i) {
+          const double x = (i + 0.5) / view.nx - 0.5, y = (j + 0.5) / view.ny - 0.5;  // of 2.048 by 1.536 mm
+          if (std::abs(x + 0.5 / 2.048) < 0.12 && std::abs(y) < 0.16)
+            of_time.push_back(view(j, i) - render(j * render.ny / view.ny, i * render.nx / view.nx));
+        }
+    }
+    const double times = double(errors.size()), places = double(errors[0].size());
+    ASSERT_GT(places, 100);
+    double over_time = 0, over_places = 0;
+    const auto variance = [](double sum, double squares, double n) { return squares / n - sum * sum / n / n; };
+    for (const auto& of_time : errors) {
+      double sum = 0, squares = 0;
+      for (const double e : of_time) sum += e, squares += e * e;
+      over_places += variance(sum, squares, places) / times;
+    }
+    for (size_t i = 0; i < errors[0].size(); ++i) {
+      double sum = 0, squares = 0;
+      for (const auto& of_time : errors) sum += of_time[i], squares += of_time[i] * of_time[i];
+      over_time += variance(sum, squares, times) / places;
+    }
+    EXPECT_GT(over_time, 0);
+    EXPECT_LT(over_time, over_places) << from_last;
+  }
+}
+
 // Each time but the first is what `run --last` makes of the one before. With times taken away the same command ends with the
 // same bytes, although it has the one before from its files alone.
 TEST(Animate, FromTheLastTimeTakesFewIterationsAndResumes) {

@@ -313,3 +313,13 @@ def test_temperatures_of_a_medium_may_be_an_array():
     picture = ht.render(ht.Scene(tables, media={"fire": thick}))
     assert np.asarray(ht.render(ht.Scene(tables, media={"fire": {**thick, "temperature": 1800}}))) == pytest.approx(np.asarray(picture))
     assert np.asarray(picture)[..., 1] == pytest.approx(1.191043e-25 / 532e-9**5 / np.expm1(0.01438777 / (532e-9 * 1800)), rel=1e-4)
+
+
+# A box of 2 by 4 by 6 mm whose middle moves along x from 0 to 8 mm in 1 s, at 0.25 s.
+def test_meshes_are_those_of_the_time():
+    box = {"type": "box", "size": "2 4 6 mm", "position": {"0 s": "0 0 -300 mm", "1 s": "8 0 -300 mm"}}
+    scene = ht.Scene(wavelength="532 nm", slm="pluto", object=[box], time=0.25)
+    ((_, vertices, faces),) = scene.meshes
+    assert np.allclose(vertices.min(axis=0), [1e-3, -2e-3, -303e-3], atol=1e-15)
+    assert np.allclose(vertices.max(axis=0), [3e-3, 2e-3, -297e-3], atol=1e-15)
+    assert faces.shape == (12, 3) and faces.max() == len(vertices) - 1

@@ -103,18 +103,24 @@ bool has_light(const Scene& scene) {
          std::any_of(scene.materials.begin(), scene.materials.end(), emits);
 }
 
-std::vector<double> wavelengths_for(const Scene& scene) {
+namespace {
+
+std::vector<double> wavelengths_for(bool has_colours) {
   using namespace literals;
-  if (has_colours(scene)) return {638_nm, 532_nm, 450_nm};
-  return {532_nm};
+  return has_colours ? std::vector{638_nm, 532_nm, 450_nm} : std::vector{532_nm};
 }
 
-void choose_wavelengths(Job& job) {
-  job.wavelengths = wavelengths_for(job.scene);
+}  // namespace
+
+std::vector<double> wavelengths_for(const Scene& scene) { return wavelengths_for(has_colours(scene)); }
+
+void choose_wavelengths(Job& job) { choose_wavelengths(job, has_colours(job.scene)); }
+
+void choose_wavelengths(Job& job, bool has_colours) {
+  job.wavelengths = wavelengths_for(has_colours);
   std::string shown;
   for (const double wavelength : job.wavelengths) shown += (shown.empty() ? "" : ", ") + format_length(wavelength);
-  job.chosen.push_back(
-      {"wavelength", shown, job.wavelengths.size() > 1 ? "the scene has colours" : "the scene is grey"});
+  job.chosen.push_back({"wavelength", shown, has_colours ? "the scene has colours" : "the scene is grey"});
 }
 
 void set_wavelengths(std::vector<double> wavelengths, Job& job) {

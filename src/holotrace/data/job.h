@@ -78,6 +78,9 @@ std::vector<double> wavelengths_for(const Scene& scene);
 /// Gives a job the wavelengths for its scene, and lists them among what was chosen.
 void choose_wavelengths(Job& job);
 
+/// The same of a job of which it is known whether it has colours, at all its times.
+void choose_wavelengths(Job& job, bool has_colours);
+
 /// Sets the wavelengths of a job [m], which then were not chosen for it.
 void set_wavelengths(std::vector<double> wavelengths, Job& job);
 

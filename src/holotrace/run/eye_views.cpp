@@ -38,6 +38,13 @@ PlanePart covered_part(const Vec3& eye, const EncodeParams& params) {
   return {{eye.x - across, eye.y - down}, {eye.x + across, eye.y + down}};
 }
 
+// Where the rays from the panel to that part of the plane `from` cross the plane `z`, between both: with t = z/from, at
+// t·place + (1 − t)·(place on the panel).
+PlanePart crossed_part(const PlanePart& part, double from, double z, const Grid& panel) {
+  const double t = z / from, x = (1 - t) * panel.width() / 2, y = (1 - t) * panel.height() / 2;
+  return {{t * part.low.x - x, t * part.low.y - y}, {t * part.high.x + x, t * part.high.y + y}};
+}
+
 // Width and height about the axis of what a pupil somewhere in that part sees of the plane at a distance: through the panel, by rays
 // that it can send.
 Vec2 seen_size(const Job& job, const PlanePart& part, double z, double distance) {
@@ -85,7 +92,7 @@ std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const Job& 
     walk.low = {std::min(walk.low.x, place.x), std::min(walk.low.y, place.y), std::min(walk.low.z, place.z)};
     walk.high = {std::max(walk.high.x, place.x), std::max(walk.high.y, place.y), std::max(walk.high.z, place.z)};
   }
-  if (walk.low.z != walk.high.z) return {};
+  if (!(walk.low.z > 0) || walk.high.z > most_far_to_near * walk.low.z) return {};
   const auto area = [](const Vec2& low, const Vec2& high) { return (high.x - low.x) * (high.y - low.y); };
   const PlanePart one = covered_part(walk.low, params), other = covered_part(walk.high, params);
   if (area(one.low, other.high) > double(places.size()) * area(one.low, one.high)) return {};
@@ -94,15 +101,17 @@ std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const Job& 
 
 namespace {
 
-// The light field of places of pupils in a part of the plane z, about its middle.
-LightFieldParams field_for(const Job& job, double distance, const PlanePart& part, const Vec3& middle) {
+// The light field of places of pupils in a part of the plane z, about its middle; pupils may be as far from the panel as `farthest`.
+LightFieldParams field_for(const Job& job, double distance, const PlanePart& part, const Vec3& middle,
+                           double farthest) {
   const double diameter = pupil_of(job.encode), cell = diameter / 3;
   const auto cells = [&](double low, double high) { return int(std::ceil((high - low) / cell * (1 - 1e-9))); };
   LightFieldParams field{.columns = cells(part.low.x, part.high.x), .rows = cells(part.low.y, part.high.y)};
   field.lens = {field.columns, field.rows, cell, middle.x, middle.y};
   field.lens_z = middle.z;
   field.distance = distance;
-  const Vec2 seen = seen_size(job, part, middle.z, distance);
+  const Vec2 near = seen_size(job, part, middle.z, distance), far = seen_size(job, part, farthest, distance);
+  const Vec2 seen{std::max(near.x, far.x), std::max(near.y, far.y)};
   const double pixel =
       *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + middle.z) / (4 * diameter);
   field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
@@ -110,8 +119,12 @@ LightFieldParams field_for(const Job& job, double distance, const PlanePart& par
 }
 
 LightFieldParams field_for(const Job& job, double distance, const EyeWalk& walk) {
-  const PlanePart low = covered_part(walk.low, job.encode), high = covered_part(walk.high, job.encode);
-  return field_for(job, distance, {low.low, high.high}, (walk.low + walk.high) / 2);
+  PlanePart part{covered_part(walk.low, job.encode).low, covered_part(walk.high, job.encode).high};
+  const PlanePart far = crossed_part(part, walk.high.z, walk.low.z, job.slm.grid);
+  part = {{std::min(part.low.x, far.low.x), std::min(part.low.y, far.low.y)},
+          {std::max(part.high.x, far.high.x), std::max(part.high.y, far.high.y)}};
+  const Vec3 middle{(part.low.x + part.high.x) / 2, (part.low.y + part.high.y) / 2, walk.low.z};
+  return field_for(job, distance, part, middle, walk.high.z);
 }
 
 double pixels_of(const LightFieldParams& field) { return double(field.plane.pixels()) * field.columns * field.rows; }
@@ -126,7 +139,7 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
   const std::vector<Vec3> eyes = eyes_of(job.encode);
   for (const Vec3& eye : eyes) {
     const LightFieldParams field =
-        walk ? field_for(job, distance, *walk) : field_for(job, distance, covered_part(eye, job.encode), eye);
+        walk ? field_for(job, distance, *walk) : field_for(job, distance, covered_part(eye, job.encode), eye, eye.z);
     if (pixels_of(field) > many_pixels)
       observer.warn(fmt::format(
           "the views for the eye at {} from the panel have {} × {} pixels for each of {} × {} places of a pupil, {} in all, and take long; use a "
@@ -136,19 +149,21 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
     RenderParams of_eye = params;
     const double area = field.lens.width() * field.lens.height();
     of_eye.paths = std::max(1, int(std::lround(paths_per_pixel(params) * area / (pi / 4 * diameter * diameter))));
-    lights.push_back({eye, trace_light_field(exposure_of(job), job.slm.grid, wavelength, field, of_eye,
-                                             part_of(observer, int(lights.size()), int(eyes.size())))});
+    const Vec3 middle = walk ? (walk->low + walk->high) / 2 : eye;
+    lights.push_back({middle, trace_light_field(exposure_of(job), job.slm.grid, wavelength, field, of_eye,
+                                                part_of(observer, int(lights.size()), int(eyes.size())))});
   }
   return lights;
 }
 
 bool has_light_for(const LightField& light, const Vec3& eye, const EncodeParams& params) {
   constexpr double rounding = 1e-9;
-  const PlanePart part = covered_part(eye, params);
+  if (light.lens_z > eye.z + rounding) return false;
+  const PlanePart part = crossed_part(covered_part(eye, params), eye.z, std::min(light.lens_z, eye.z), light.panel);
   const double right = light.left() + light.cell_width() * light.columns,
                low = light.top() - light.cell_height() * light.rows;
-  return std::abs(light.lens_z - eye.z) < rounding && part.low.x > light.left() - rounding &&
-         part.high.x < right + rounding && part.low.y > low - rounding && part.high.y < light.top() + rounding;
+  return part.low.x > light.left() - rounding && part.high.x < right + rounding && part.low.y > low - rounding &&
+         part.high.y < light.top() + rounding;
 }
 
 double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk) {

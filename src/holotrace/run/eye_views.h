@@ -15,24 +15,29 @@ namespace holotrace {
 
 /// The light that pupils in a plane before the panel get, as path tracing finds it.
 struct EyeLight {
-  Vec3 eye;            ///< middle of the places of pupils [m]
+  Vec3 eye;            ///< middle of the places of eyes [m]
   LightField light{};  ///< of the panel, or of the places around the eye
 };
 
-/// The box of all places of an eye that walks in a plane parallel to the panel.
+/// The box of all places of an eye that walks.
 struct EyeWalk {
-  Vec3 low, high;  ///< corners [m]; of one z
+  Vec3 low, high;  ///< corners [m]
 };
 
-/// The walk of the eye of a film through its places at all times; none if the scene itself has keys over time, if the places are
-/// not in one plane, or if their box is larger than all eyeboxes at them together: light is then traced at each time.
+/// The farthest place of a walk from the panel is at most so many times as far as the nearest one. The light has the blur of a pupil at
+/// the mean distance z of both: Airy's radius 1.22·λ·(d + z)/D is off by at most 5 %.
+inline constexpr double most_far_to_near = 1.1;
+
+/// The walk of the eye of a film through its places at all times; none if the scene itself has keys over time, if their distances from
+/// the panel differ more (most_far_to_near), or if their box is larger than all eyeboxes at them together: light is then traced at each
+/// time.
 std::optional<EyeWalk> walk_through(const std::vector<Vec3>& places, const Job& job);
 
 /// The light for each eye of a job: that of the places which pupils cover when their middles are in the eyebox.
 ///
 /// Cells of the light field are at most a third of a pupil wide, and pixels in its plane half as wide as the finest detail
 /// that a pupil shows. Each pixel has, within a pupil, as many paths as `render.paths` in the mean.
-/// @param walk     the light of one eye is traced for all its places there; none: for where it is
+/// @param walk     the light of one eye is traced for all its places there, in the plane of the nearest ones; none: for where it is
 /// @throws Error  for an eye that no ray from the panel's window reaches within the panel's acceptance, naming the nearest
 ///                place; and as trace_light_field does
 std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const RenderParams& params,

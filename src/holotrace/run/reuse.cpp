@@ -44,8 +44,7 @@ uint64_t cause_of_eye_light(Job job) {
   job.chosen.clear();  // it names the place of the eye
   job.camera.eye = {};
   job.trace.frames = 1;
-  for (size_t i = 0; i < job.encode.eye.size(); ++i)
-    if (i % 3 != 2) job.encode.eye[i] = 0;
+  std::fill(job.encode.eye.begin(), job.encode.eye.end(), 0.0);
   return std::max<uint64_t>(1, cause_of_results(std::move(job)));
 }
 

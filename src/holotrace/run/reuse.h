@@ -16,7 +16,7 @@ uint64_t cause_of_results(Job job);
 /// alone: its moments do not matter to them.
 uint64_t cause_of_waves(const Job& job);
 
-/// A fingerprint of all that the light for the eyes of a job depends on, but for their places beside the axis. 0 stands for none.
+/// A fingerprint of all that the light for the eyes of a job depends on, but for their places. 0 stands for none.
 uint64_t cause_of_eye_light(Job job);
 
 /// @throws Error  for a time of a film whose wavelengths differ from those of the first time; and, if its iterations go on from the time

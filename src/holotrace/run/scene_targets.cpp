@@ -249,7 +249,8 @@ bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause) {
   const std::vector<LightField>& lights = kept.lights.front().lights;
   for (size_t e = 0; e < eyes.size(); ++e)
     if (kept.is_of_walk ? !has_light_for(lights[e], eyes[e], job.encode)
-                        : lights[e].lens.centre_x != eyes[e].x || lights[e].lens.centre_y != eyes[e].y)
+                        : lights[e].lens.centre_x != eyes[e].x || lights[e].lens.centre_y != eyes[e].y ||
+                              lights[e].lens_z != eyes[e].z)
       return false;
   return true;
 }

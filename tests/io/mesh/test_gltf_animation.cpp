@@ -255,6 +255,28 @@ TEST(GltfAnimation, AScenePlaysItsModels) {
   EXPECT_NE(error_of([&] { job("animation = \"third\"\n", 0); }).find("scene.toml:4:8: "), std::string::npos);
 }
 
+// A camera of 90° whose place goes from (1.3, 0.4, 2) to (1.7, 0.4, 2) in 2 s sees the triangle 2 before it, 4 high, in its middle. It
+// keeps the size that it has at 0 s, and moves against the camera.
+TEST(GltfAnimation, ASceneFollowsTheCameraOfAModel) {
+  AnimatedTriangle model;
+  model.nodes = R"([{"mesh": 0, "children": [1]}, {"name": "eye", "camera": 0}])";
+  model.more = R"("cameras": [{"type": "perspective", "perspective": {"yfov": 1.5707963267948966}}], )";
+  model.move(node(1, "translation"), {0, 2}, {1.3F, 0.4F, 2, 1.7F, 0.4F, 2}, "VEC3", 3);
+  make_file("m.gltf", model.text());
+  const std::string scene = make_file("scene.toml",
+                                      "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = \"m.gltf\"\n"
+                                      "camera = \"eye\"\ndistance = \"250 mm\"\n");
+  for (const double time : {0.0, 0.5, 2.0}) {
+    const Job job = load_job(scene, Outside::refused, {}, "", time);
+    const double metre = job.slm.grid.height() / 4;
+    EXPECT_LT(
+        length(job.scene.meshes.at(0).positions.at(0) - Vec3{(1 - 1.3 - 0.2 * time) * metre, -0.4 * metre, -0.25}),
+        single * metre)
+        << time;
+    EXPECT_EQ(job.last_key, 2);
+  }
+}
+
 // A model that grows from 0 s to 2 s fits at 0 s, and is three times as large at the end.
 TEST(GltfAnimation, AFittedModelKeepsTheSizeOfItsStart) {
   AnimatedTriangle model;

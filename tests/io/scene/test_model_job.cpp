@@ -234,6 +234,38 @@ TEST(ModelJob, ACameraOfTheFileShowsItsView) {
   EXPECT_EQ(error_of([&] { job_of(file, params); }), "expected either a rotation or a camera of the model, got both");
 }
 
+// In a scene, `camera` places a model by its name or number, and its light: the same closed form, 200 mm away. Nothing of the panel's
+// frame moves: the quad stays.
+TEST(ModelJob, ASceneTakesTheCameraOfAModel) {
+  lit_model(R"({"type": "point", "intensity": 7})");
+  for (const std::string camera : {"front", "1"}) {
+    const std::string scene =
+        test::make_file("scene.toml",
+                        "wavelength = \"532 nm\"\n[[object]]\ntype = \"quad\"\nwidth = \"1 mm\"\nheight = \"1 mm\"\n"
+                        "position = \"0 0 -100 mm\"\n[[object]]\ntype = \"mesh\"\nfile = \"lit.gltf\"\nlights = true\n"
+                        "distance = \"200 mm\"\ncamera = \"" +
+                            camera + "\"\n");
+    const Job job = load_job(scene);
+    const double factor = job.slm.grid.height() / (4 * std::tan(pi / 6));
+    EXPECT_EQ(job.scene.meshes.at(0).positions[0].z, -0.1);
+    EXPECT_LT(length(job.scene.meshes.at(1).positions[1] - Vec3{0.75 * factor, -0.25 * factor, -0.2}), 1e-15);
+    const auto light = std::get<PointLight>(job.scene.lights.at(0));
+    EXPECT_LT(length(light.position - Vec3{0.05 * factor, 0.15 * factor, factor - 0.2}), 1e-15);
+    EXPECT_NEAR(light.intensity.x, 7 * factor * factor, 1e-12);
+  }
+  const auto error_with = [](const std::string& lines) {
+    return error_of([&] {
+      load_job(test::make_file("bad.toml",
+                               "wavelength = \"532 nm\"\n[[object]]\ntype = \"mesh\"\nfile = \"lit.gltf\"\n" + lines));
+    });
+  };
+  EXPECT_NE(error_with("camera = \"front\"\nfit = \"1 mm\"\n")
+                .find("expected either a \"camera\" of the model or \"fit\", got both"),
+            std::string::npos);
+  EXPECT_NE(error_with("camera = \"frnt\"\n").find("bad.toml:5:10: "), std::string::npos);
+  EXPECT_NE(error_with("camera = \"3\"\n").find("unknown camera \"3\""), std::string::npos);
+}
+
 // A camera of 90° is at (0.25, 0.25, 2). Its picture is filled most by a triangle ten times as large at z = 0, 2 before it: that is
 // the middle, and what is in the picture of it is from the triangle's corner at (0, 0) to 0.25 + 2 in y and 0.25 + 2·16/9 in x.
 // Of the triangle at z = 1.5 its corner above y = 0.25 + 0.5 is cut away; that at z = 3 is behind the camera, and that at

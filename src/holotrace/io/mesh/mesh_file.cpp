@@ -49,6 +49,14 @@ void scale_absorption(double factor, Material& material) {
 }
 
 LoadedModel load_meshes(const std::string& path, Outside outside, const PoseTime& at) {
+  if (is_series(path)) {
+    const SeriesFile file = file_at(path, {at.seconds, at.series_fps, at.repeats});
+    LoadedModel model = load_meshes(file.path, outside, at);
+    require(!model.last_key, "{}: expected a series of models at rest, got an animation; use one or the other",
+            file.path);
+    model.last_key = file.end;
+    return model;
+  }
   check_file_exists(path, "a mesh");
   // Files are named wrongly: their first bytes decide, if they tell.
   const std::string known = model_extension_of(path), extension = known.empty() ? extension_of(path) : known;

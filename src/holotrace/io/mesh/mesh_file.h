@@ -6,6 +6,7 @@
 
 #include "holotrace/data/scene.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/series.h"
 
 namespace holotrace {
 
@@ -29,11 +30,12 @@ struct LoadedModel {
   std::optional<double> last_key{};    ///< the end of its animation [s]; nothing if it has none
 };
 
-/// What of a model is read: the time of its animation, and its variant.
+/// What of a model is read: the time of its animation or series, and its variant.
 struct PoseTime {
   double seconds = 0;
   std::string animation{};  ///< its name; "": the first one of the file, if it has one
   bool repeats = false;     ///< whether it begins again after its last key; else it stays there
+  double series_fps = 25;   ///< files per second of a series
   std::string variant{};    ///< name of a variant of its materials (KHR_materials_variants); "": its own materials
 };
 
@@ -54,6 +56,8 @@ bool is_mesh_file(const std::string& path);
 ///   texture beside the file, as Assimp reads them.
 /// - PLY: points without faces become small surfaces (add_point_solids in mesh_ply.cpp). Faces are split into fans, strips of triangles are read; integer colours are sRGB-coded, floating-point colours are linear. The triangle
 ///   soup of the OpenHolo library's dialect (property `face_idx`) is read, too.
+///
+/// A series of files (io/files/series.h), mesh_####.ply, is an animation that shows one after the other.
 ///
 /// @param outside  whether the files that it names may lie outside its folder
 /// @param at       time of the animation, and variant; files of other formats than glTF are at rest and have no variants

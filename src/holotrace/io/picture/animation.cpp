@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/series.h"
 #include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
 
@@ -28,18 +28,6 @@ std::vector<uint8_t> codes_of(const Image& image, double white) {
   return codes;
 }
 
-constexpr size_t fewest_digits = 2;  // a name with one # is a usual name
-
-// The last series of # in the name of a file: its place in the path and its length.
-std::pair<size_t, size_t> digits_in(const std::string& path) {
-  const size_t begin_of_name = path.size() - std::filesystem::path(path).filename().string().size();
-  const size_t last = path.rfind('#');
-  if (last == std::string::npos || last < begin_of_name) return {0, 0};
-  const size_t before = path.find_last_not_of('#', last);
-  const size_t first = std::max(before == std::string::npos ? 0 : before + 1, begin_of_name);
-  return {first, last + 1 - first};
-}
-
 }  // namespace
 
 bool has_animation_ending(const std::string& path) {
@@ -57,14 +45,27 @@ void check_animation(const std::string& path, double fps) {
           path, most, ending, fps);
 }
 
-bool is_series_name(const std::string& path) {
-  return digits_in(path).second >= fewest_digits && !has_animation_ending(path);
+bool is_film_file(const std::string& path) {
+  const std::vector<std::string> endings{".mp4", ".m4v", ".mov", ".mkv", ".webm", ".avi", ".gif"};
+  return std::find(endings.begin(), endings.end(), extension_of(path)) != endings.end();
 }
 
+TimedImage load_image_at(const std::string& path, const SeriesTime& time, ImageContent content) {
+  if (!is_film_file(path)) {
+    const SeriesFile file = file_at(path, time);
+    return {load_image(file.path, content), file.end};
+  }
+  check_file_exists(path, "a film");
+  const FilmFacts film = read_film_facts(path);
+  const std::string png =
+      read_film_picture(path, film, number_at({time.seconds, film.fps, time.repeats}, film.pictures));
+  return {decode_image(png.data(), png.size(), path, content), double(film.pictures) / film.fps};
+}
+
+bool is_series_name(const std::string& path) { return is_series(path) && !has_animation_ending(path); }
+
 std::string series_path(const std::string& path, size_t i) {
-  if (!is_series_name(path)) return path;
-  const auto [first, count] = digits_in(path);
-  return path.substr(0, first) + fmt::format("{:0{}}", i + 1, count) + path.substr(first + count);
+  return is_series_name(path) ? path_in_series(path, i + 1) : path;
 }
 
 Image shrunk_to(const Image& image, int columns) {

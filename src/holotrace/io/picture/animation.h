@@ -2,10 +2,13 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "holotrace/data/image.h"
+#include "holotrace/io/files/series.h"
+#include "holotrace/io/picture/image_file.h"
 
 namespace holotrace {
 
@@ -51,10 +54,25 @@ void save_film(const std::string& path, const FilmPictures& film, double fps);
 ///                and none is installed that can write it
 void check_animation(const std::string& path, double fps = 0);
 
-/// A series is named by two or more "#" in place of its digits: view_####.png for view_0001.png, view_0002.png, …
+/// Whether the ending is that of a film that load_image_at reads by the program ffmpeg: .mp4, .m4v, .mov, .mkv, .webm, .avi, .gif.
+bool is_film_file(const std::string& path);
+
+/// A picture, and the end of the series or film that it is from [s]; nothing if it is a picture alone.
+struct TimedImage {
+  Image image;
+  std::optional<double> end{};
+};
+
+/// The picture of a series (io/files/series.h) or of a film at a time, or a picture alone, as load_image reads it.
+/// @param time  of a series; a film has the rate of its file, and all its pictures are taken to be equally long
+/// @throws Error  as load_image and file_at do; for a film without pictures, one that ffmpeg cannot read, with its message, and if no
+///                ffmpeg is installed
+TimedImage load_image_at(const std::string& path, const SeriesTime& time, ImageContent content = ImageContent::colour);
+
+/// Whether a path names a series of pictures (io/files/series.h) and not an animation.
 bool is_series_name(const std::string& path);
 
-/// The path of the i-th picture of a series, from 0; other paths as they are.
+/// The path of the i-th picture of such a series, from 0; other paths as they are.
 std::string series_path(const std::string& path, size_t i);
 
 /// The picture averaged over squares of whole pixels, the smallest squares that make it at most `columns` wide.

@@ -1,6 +1,7 @@
 #include "holotrace/io/picture/depth_image_file.h"
 
 #include <cmath>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
@@ -26,6 +27,12 @@ float grey(const Image& image, int row, int column, const std::string& path) {
 
 DepthImage load_depth_image(const std::string& picture_path, const std::string& depth_path, double near, double far,
                             DepthScale scale) {
+  return with_depth(load_image(picture_path), picture_path, load_image(depth_path, ImageContent::depth), depth_path,
+                    near, far, scale);
+}
+
+DepthImage with_depth(Image picture, const std::string& picture_path, const Image& depth, const std::string& depth_path,
+                      double near, double far, DepthScale scale) {
   const bool has_metres = extension_of(depth_path) == ".exr";
   if (has_metres)
     require(near == 0 && far == 0 && scale == DepthScale::depth,
@@ -41,8 +48,7 @@ DepthImage load_depth_image(const std::string& picture_path, const std::string& 
       "--depth-scale depth",
       depth_path, format_length(near), format_length(far));
   DepthImage image;
-  image.picture = load_image(picture_path);
-  const Image depth = load_image(depth_path, ImageContent::depth);
+  image.picture = std::move(picture);
   require(depth.nx == image.picture.nx && depth.ny == image.picture.ny,
           "{}: expected depths for {} × {} pixels, as {} has, got {} × {}; make both pictures one size", depth_path,
           image.picture.nx, image.picture.ny, picture_path, depth.nx, depth.ny);

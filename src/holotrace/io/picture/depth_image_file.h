@@ -17,4 +17,8 @@ namespace holotrace {
 DepthImage load_depth_image(const std::string& picture_path, const std::string& depth_path, double near, double far,
                             DepthScale scale = DepthScale::depth);
 
+/// The same, of a picture and of depths (ImageContent::depth) that were read from these paths.
+DepthImage with_depth(Image picture, const std::string& picture_path, const Image& depth, const std::string& depth_path,
+                      double near, double far, DepthScale scale);
+
 }  // namespace holotrace

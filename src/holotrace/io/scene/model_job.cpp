@@ -21,6 +21,8 @@
 #include "holotrace/data/shapes.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/mesh/mesh_file.h"
+#include "holotrace/io/mesh/picture_mesh.h"
+#include "holotrace/io/scene/camera_placing.h"
 
 namespace holotrace {
 namespace {
@@ -112,7 +114,7 @@ namespace {
 
 using namespace literals;
 
-constexpr double depth_in_widths = 300.0 / 15.36, elevation = 18_deg;
+constexpr double elevation = 18_deg;
 constexpr double floor_full = 0.7, floor_seen = 1.1, floor_end = 1.6;  // radii, in those of the model
 
 struct ModelBounds {
@@ -168,13 +170,6 @@ Frame view_of_front(const std::vector<Mesh>& meshes, bool has_front) {
   return rotation_y(turn_that_shows_most(meshes, turns, rotation_x(elevation)));
 }
 
-void move(const Frame& frame, std::vector<Mesh>& meshes) {
-  for (Mesh& mesh : meshes) transform_mesh(frame, mesh);
-}
-
-Frame shift(Vec3 by) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by}; }
-Frame scale(double factor) { return {{factor, 0, 0}, {0, factor, 0}, {0, 0, factor}, {}}; }
-
 std::vector<Vec3> places_of(const std::vector<Mesh>& meshes) {
   std::vector<Vec3> places;
   for (const Mesh& mesh : meshes) places.insert(places.end(), mesh.positions.begin(), mesh.positions.end());
@@ -225,16 +220,6 @@ RectangleLight lamp(Vec3 place, Vec3 offset, double side, double white) {
   return {place + offset - u * 0.5 - v * 0.5, u, v, Vec3{1, 1, 1} * radiance, false};
 }
 
-// The distance up to which is a part of all areas; 0 if there are none.
-double part_of(std::vector<std::pair<double, double>>& distances_and_areas, double part) {
-  std::sort(distances_and_areas.begin(), distances_and_areas.end());
-  double total = 0, sum = 0;
-  for (const auto& [distance, area] : distances_and_areas) total += area;
-  for (const auto& [distance, area] : distances_and_areas)
-    if ((sum += area) >= part * total) return distance;
-  return distances_and_areas.empty() ? 0 : distances_and_areas.back().first;
-}
-
 // Distances of the nearest and the farthest surface that faces the panel, without the outer hundredths of the area.
 std::vector<double> surface_distances(std::span<const Mesh> meshes) {
   std::vector<std::pair<double, double>> parts;  // distance, area seen
@@ -256,77 +241,6 @@ std::vector<double> focus_of(std::span<const Mesh> meshes, double distance, cons
   const double in_focus = 2 * wavelength * std::pow(distance / std::max(slm.grid.width(), slm.grid.height()), 2);
   if (ends[1] - ends[0] < in_focus) return {(ends[0] + ends[1]) / 2};
   return ends;
-}
-
-// Into the frame of a camera, without the scale of its node.
-Frame into_camera(const ModelCamera& camera) {
-  const Vec3 x = normalize(camera.place.x), y = normalize(camera.place.y), z = normalize(camera.place.z);
-  const Frame turn{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}, {}};
-  return compose(turn, shift(camera.place.origin * -1.0));
-}
-
-// The parts of meshes, in the camera's frame, that are in its picture: |x|/aspect and |y| are at most offset − slope·z, z ≤ 0.
-std::vector<Mesh> in_picture(const std::vector<Mesh>& meshes, const ModelCamera& camera, double aspect,
-                             const std::vector<HalfSpace>& further = {}) {
-  std::vector<HalfSpace> picture = further;
-  picture.push_back({{0, 0, -1}, 0});
-  for (const double side : {-1.0, 1.0})
-    for (const Vec3 across : {Vec3{side / aspect, 0, 0}, Vec3{0, side, 0}})
-      picture.push_back({across - Vec3{0, 0, camera.slope}, -camera.offset});
-  std::vector<Mesh> seen;
-  for (const Mesh& mesh : meshes) seen.push_back(clip_mesh(mesh, picture));
-  return seen;
-}
-
-// How models stand before the panel as a camera of their file sees them: the height of its picture, where half of what it sees is
-// nearer, is that of the panel.
-class CameraPlacing {
- public:
-  /// @throws Error naming the file if nothing is in the camera's picture
-  CameraPlacing(const std::string& path, const ModelCamera& camera, std::vector<Mesh> meshes, const Grid& panel,
-                double distance)
-      : distance_(distance), aspect_(panel.width() / panel.height()) {
-    move(into_camera(camera), meshes);
-    std::vector<std::pair<double, double>> parts;  // distance, area in the picture
-    for (const Mesh& mesh : in_picture(meshes, camera, aspect_))
-      for (const auto& [a, b, c] : mesh.triangles) {
-        const Vec3 p = mesh.positions[a], q = mesh.positions[b], r = mesh.positions[c];
-        const double away = -(p.z + q.z + r.z) / 3, half = camera.offset + camera.slope * away;
-        parts.emplace_back(away, std::abs(cross(q - p, r - p).z) / (half * half));
-      }
-    middle_ = part_of(parts, 0.5);
-    require(middle_ > 0, "{}: expected a camera that sees the model, got \"{}\", which does not; choose another", path,
-            camera.name);
-    factor_ = panel.height() / (2 * (camera.offset + camera.slope * middle_));
-  }
-
-  /// Places meshes, without what the camera does not see and would stand before what it sees: the panel's rays are nearly
-  /// parallel, those of a camera come from one place.
-  /// @return the frame by which they were moved
-  Frame place(const ModelCamera& camera, std::vector<Mesh>& meshes) const {
-    move(into_camera(camera), meshes);
-    std::vector<Mesh> seen = in_picture(meshes, camera, aspect_, {{{0, 0, 1}, -middle_}});
-    const double beyond = middle_ * (1 + 1e-9);  // surfaces in the plane of the middle are not taken twice
-    for (const Mesh& mesh : meshes) seen.push_back(clip_mesh(mesh, {{{0, 0, -1}, beyond}}));
-    std::erase_if(seen, [](const Mesh& mesh) { return mesh.triangles.empty(); });
-    meshes = std::move(seen);
-    const Frame before_panel = compose(shift({0, 0, factor_ * middle_ - distance_}), scale(factor_));
-    move(before_panel, meshes);
-    return compose(before_panel, into_camera(camera));
-  }
-
- private:
-  double distance_, aspect_, middle_ = 0, factor_ = 1;
-};
-
-const ModelCamera& camera_named(const std::string& name, const std::string& path, const LoadedModel& model) {
-  std::vector<std::string> names;
-  for (const ModelCamera& camera : model.cameras) {
-    if (camera.name == name) return camera;
-    names.push_back(camera.name);
-  }
-  require(!names.empty(), "{}: expected a file with cameras for the camera \"{}\", got one without", path, name);
-  throw Error(path + ": " + unknown_name_message("camera", name, names));
 }
 
 // Irradiance of lamps on a surface that faces each of them [W/m²], the mean of the colours, in sum.
@@ -416,13 +330,14 @@ bool light_model(const std::string& path, const ModelParams& params, Vec3 middle
 
 Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params, Outside outside, double time) {
   check_ranges(params);
-  LoadedModel model = load_meshes(path, outside);  // at 0 s, by which it is placed at all times
+  PoseTime at{.series_fps = params.series_fps};
+  LoadedModel model = load_meshes(path, outside, at);  // at 0 s, by which it is placed at all times
   require(
       !model.meshes.empty(),
       "{}: expected a model that is seen at 0 s, by which it is placed, but its animation hides all then; put it into a scene",
       path);
   const Grid& panel = slm.grid;
-  const double distance = params.model_distance > 0 ? params.model_distance : depth_in_widths * panel.width();
+  const double distance = params.model_distance > 0 ? params.model_distance : distance_of_models(panel);
   const Vec3 middle{0, 0, -distance};
   Standing standing;
   std::optional<CameraPlacing> by_camera;
@@ -459,7 +374,8 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   job.camera.distances = focus_of(own, distance, slm, job.wavelengths.front());
   job.render.focus = job.camera.distances.front();
   if (time != 0 && job.last_key) {
-    LoadedModel posed = load_meshes(path, outside, {time});
+    at.seconds = time;
+    LoadedModel posed = load_meshes(path, outside, at);
     for (std::string& warning : posed.warnings)
       if (std::find(job.warnings.begin(), job.warnings.end(), warning) == job.warnings.end())
         job.warnings.push_back(std::move(warning));
@@ -470,6 +386,29 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
     take(posed);
     if (has_own_lights) job.scene.lights = std::move(posed.lights);
   }
+  check_scene(job.scene);
+  return job;
+}
+
+bool is_model(const std::string& path) { return is_mesh_file(path) || is_picture_series(path); }
+
+Job job_for_pictures(const std::string& path, const Slm& slm, const ModelParams& params, double time) {
+  check_ranges(params);
+  const Grid& panel = slm.grid;
+  const double distance = params.model_distance > 0 ? params.model_distance : distance_of_models(panel);
+  LoadedModel picture = load_picture({path}, 1, {time, params.series_fps});
+  const double height = bounds_of(places_of(picture.meshes)).high.y * 2;
+  const double width = params.fit / std::max(1 / panel.width(), height / panel.height());
+  move(compose(shift({0, 0, -distance}), scale(width)), picture.meshes);
+  Job job;
+  job.slm = slm;
+  job.time = time;
+  job.last_key = picture.last_key;
+  job.scene.materials = std::move(picture.materials);
+  job.scene.meshes = std::move(picture.meshes);
+  job.camera.distances = {distance};
+  job.render.focus = distance;
+  choose_wavelengths(job, job.scene.materials.front().emission_texture->channels > 1);
   check_scene(job.scene);
   return job;
 }

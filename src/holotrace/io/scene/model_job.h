@@ -45,4 +45,14 @@ double turn_that_shows_most(const std::vector<Mesh>& meshes, const std::vector<d
 Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& params = {},
                   Outside outside = Outside::refused, double time = 0);
 
+/// Whether a file, a series of files or a film makes a job by itself, without a scene: a model (is_mesh_file), or pictures that follow
+/// each other (is_picture_series).
+bool is_model(const std::string& path);
+
+/// The job that load_job makes of a series of pictures or a film: the picture of that time (load_picture) stands before the panel, with
+/// the view in its middle, and the camera is focused on it. It takes `fit` of the view's width or height, at `model_distance`.
+/// There are three colours if the first picture has three channels.
+/// @throws Error  as load_picture does
+Job job_for_pictures(const std::string& path, const Slm& slm, const ModelParams& params = {}, double time = 0);
+
 }  // namespace holotrace

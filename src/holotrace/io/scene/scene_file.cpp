@@ -17,6 +17,7 @@
 #include "holotrace/data/path_expression.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/file_kind.h"
+#include "holotrace/io/files/series.h"
 #include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_lights.h"
@@ -254,7 +255,7 @@ ModelParams edited(ModelParams model, const std::vector<SceneEdit>& edits) {
 }  // namespace
 
 std::vector<SceneValue> load_editable_values(const std::string& path) {
-  if (is_mesh_file(path)) {
+  if (is_model(path)) {
     const ModelParams model;
     return {{{"rotation", "y 0 deg"}, "model"}, {{"fit", fmt::format("{}", model.fit)}, "model"}};
   }
@@ -286,7 +287,8 @@ Slm slm_of_table(const toml::table& table) {
 
 Job load_job(const std::string& path, Outside outside, const ModelParams& model, const std::string& slm,
              std::optional<double> time, const std::vector<SceneEdit>& edits) {
-  check_file_exists(path, is_mesh_file(path) ? "a mesh" : "a scene file");  // before the panel's file
+  const std::string first = file_at(path, {}).path;
+  check_file_exists(first, is_model(path) ? "a model" : "a scene file");  // before the panel's file
   return load_job_for(slm.empty() ? std::nullopt : std::optional(load_slm(slm)), path, outside, model, time, edits);
 }
 
@@ -299,8 +301,12 @@ bool is_panel_file(const std::string& path) {
 
 Job load_job_for(const std::optional<Slm>& slm, const std::string& path, Outside outside, const ModelParams& model,
                  std::optional<double> time, const std::vector<SceneEdit>& edits) {
-  if (is_mesh_file(path))
-    return job_for_model(path, slm ? *slm : load_slm("pluto"), edited(model, edits), outside, time.value_or(0));
+  if (is_model(path)) {
+    const Slm panel = slm ? *slm : load_slm("pluto");
+    const ModelParams params = edited(model, edits);
+    return is_mesh_file(path) ? job_for_model(path, panel, params, outside, time.value_or(0))
+                              : job_for_pictures(path, panel, params, time.value_or(0));
+  }
   check_file_exists(path, "a scene file");
   require(extension_of(path) == ".toml" || (is_text_file(path) && extension_of(path) != ".json"),
           "{}: expected a scene .toml or a model such as .obj or .glb, got {}", path, kind_of_file(path));

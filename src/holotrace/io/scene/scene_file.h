@@ -12,7 +12,7 @@
 namespace holotrace {
 
 /// Reads a scene file (TOML): the scene, the light, the panel, and the parameters of every stage. A file of meshes
-/// (.obj, .ply, .gltf, .glb) gives the scene that job_for_model in io/scene/model_job.h makes around it.
+/// (.obj, .ply, .gltf, .glb), or pictures that follow each other, give the scene that io/scene/model_job.h makes around them.
 /// The format is described in docs/reference/scene_format.md. Paths in it are relative to its folder. With
 /// `extends = "other.toml"` it is that scene with this file's tables merged over it, key by key; a list of
 /// tables ([[object]], …) replaces the other's list.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "holotrace/base/error.h"
@@ -11,7 +12,9 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/shapes.h"
 #include "holotrace/data/spectrum.h"
+#include "holotrace/io/mesh/picture_mesh.h"
 #include "holotrace/io/mesh/point_file.h"
+#include "holotrace/io/scene/camera_placing.h"
 #include "holotrace/io/scene/scene_images.h"
 #include "holotrace/io/scene/scene_tables.h"
 #include "holotrace/io/scene/toml_table.h"
@@ -19,9 +22,9 @@
 namespace holotrace {
 namespace {
 
-const std::vector<std::string> object_types{"box",        "extrusion",     "lathe",          "mesh",
-                                            "point_quad", "points",        "quad",           "shape",
-                                            "sphere",     "textured_quad", "wireframe_cube", "wireframe_sphere"};
+const std::vector<std::string> object_types{
+    "box",  "extrusion", "lathe",  "mesh",          "picture",        "point_quad",      "points",
+    "quad", "shape",     "sphere", "textured_quad", "wireframe_cube", "wireframe_sphere"};
 
 bool is_point_type(const std::string& type) {
   return type == "points" || type == "point_quad" || type == "textured_quad" || type == "wireframe_cube" ||
@@ -62,6 +65,13 @@ Frame fitting(const Bounds& bounds, double size, const std::string& where) {
   const double largest = max_component(bounds.high - bounds.low);
   require(largest > 0, "{}expected an object with an extent for \"fit\", got a single point", where);
   return compose(scaling(size / largest), Frame{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, (bounds.low + bounds.high) * -0.5});
+}
+
+double read_required_length(TomlTable& object, const char* key) {
+  object.require_key(key);
+  double value = 0;
+  object.length(key, value, range::positive);
+  return value;
 }
 
 bool has_texture(const Material& material) {
@@ -146,6 +156,9 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   double distance = 0;
   object.length("distance", distance, range::not_negative);
 
+  std::string camera;
+  if (type == "mesh") object.text("camera", camera);
+
   Geometry local;
   object.locate("", [&] { local = read_type(object, type); });
   if (is_point_type(type)) {
@@ -165,6 +178,8 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
   if (local.is_animated && bounds_of(local.meshes, local.points).empty) return local;
   if (!name.empty())
     for (Mesh& mesh : local.meshes) mesh.name = name;
+
+  if (!camera.empty()) return placed_by_camera(object, camera, std::move(local));
 
   // An animated model keeps the size and the middle that it has at 0 s.
   const auto fitted = [&] {
@@ -189,6 +204,26 @@ SceneObjects::Geometry SceneObjects::read_object(TomlTable& object) {
     placed.lights.insert(placed.lights.end(), copy.lights.begin(), copy.lights.end());
   }
   return placed;
+}
+
+SceneObjects::Geometry SceneObjects::placed_by_camera(TomlTable& object, const std::string& camera, Geometry local) {
+  for (const char* key : {"fit", "scale", "rotation", "position", "positions"})
+    require(!object.has(key), "{}expected either a \"camera\" of the model or \"{}\", got both; leave one of them out",
+            object.where(key), key);
+  double distance = distance_of_models(job_.slm.grid);
+  object.length("distance", distance, range::positive);
+  PoseTime at = pose_of(object);
+  const std::string file = read_file_name(object, "file");
+  object.locate("camera", [&] {
+    const ModelCamera now = camera_named(camera, file, load_model(object, at).loaded);
+    at.seconds = 0;
+    const LoadedModel& first = load_model(object, at).loaded;
+    const CameraPlacing placing(file, camera_named(camera, file, first), first.meshes, job_.slm.grid, distance);
+    const Frame frame = placing.place(now, local.meshes);
+    scale_absorption_of_models(std::cbrt(std::abs(determinant(frame))), local);
+    for (Light& light : local.lights) light = transform_light(frame, light);
+  });
+  return local;
 }
 
 void SceneObjects::scale_absorption_of_models(double factor, Geometry& geometry) {
@@ -264,6 +299,7 @@ PoseTime SceneObjects::pose_of(TomlTable& object) {
   object.instant("animation_time", at.seconds, range::any);
   object.flag("animation_repeats", at.repeats);
   object.text("variant", at.variant);
+  object.number("series_fps", at.series_fps, range::above_to(0, 1e5));
   return at;
 }
 
@@ -274,7 +310,7 @@ void SceneObjects::add_warning(const std::string& sentence) {
 
 SceneObjects::Model& SceneObjects::load_model(TomlTable& object, const PoseTime& at) {
   const std::string file = read_file_name(object, "file");
-  const std::tuple key(file, at.seconds, at.animation, at.repeats, at.variant);
+  const std::tuple key(file, at.seconds, at.animation, at.repeats, at.variant, at.series_fps);
   if (!models_.contains(key)) {
     object.locate("file", [&] { models_[key].loaded = load_meshes(file, outside_, at); });
     for (const std::string& warning : models_[key].loaded.warnings) add_warning(warning);
@@ -312,6 +348,26 @@ SceneObjects::Geometry SceneObjects::read_mesh_file(TomlTable& object) {
   return geometry;
 }
 
+SceneObjects::Geometry SceneObjects::read_picture(TomlTable& object) {
+  PictureSource source{read_file_name(object, "file")};
+  if (object.has("depth")) source.depth = read_file_name(object, "depth");
+  object.length("near", source.near, range::any);
+  object.length("far", source.far, range::any);
+  object.choice("depth_scale", source.scale, {{"depth", DepthScale::depth}, {"disparity", DepthScale::disparity}});
+  require(!source.depth.empty() || (!object.has("near") && !object.has("far") && !object.has("depth_scale")),
+          "{}expected near, far and depth_scale with a picture of depths, got none; give \"depth\", or leave them out",
+          object.where(""));
+  const double width = read_required_length(object, "width");
+  const PoseTime at = pose_of(object);
+  LoadedModel picture;
+  object.locate("file", [&] { picture = load_picture(source, width, {at.seconds, at.series_fps, at.repeats}); });
+  if (picture.last_key && !object.has("animation_time")) object.time()->note(*picture.last_key);
+  Geometry geometry{std::move(picture.meshes), {}, {}, picture.last_key.has_value()};
+  geometry.meshes.front().material = int(job_.scene.materials.size());
+  job_.scene.materials.push_back(std::move(picture.materials.front()));
+  return geometry;
+}
+
 int SceneObjects::read_material_name(TomlTable& object) {
   std::string name;
   object.text("material", name);
@@ -338,13 +394,6 @@ namespace {
 constexpr double most_steps = 4096;    // along a circle or an edge: a sphere then has 17 million triangles
 constexpr double most_points = 16384;  // along a side of a rectangle of points
 
-double read_required_length(TomlTable& object, const char* key) {
-  object.require_key(key);
-  double value = 0;
-  object.length(key, value, range::positive);
-  return value;
-}
-
 }  // namespace
 
 SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::string& type) {
@@ -359,6 +408,7 @@ SceneObjects::Geometry SceneObjects::read_type(TomlTable& object, const std::str
     fail("{}expected arrays only in objects of the type mesh or points, got {}", object.where("arrays"), type);
   }
   if (type == "mesh") return read_mesh_file(object);
+  if (type == "picture") return read_picture(object);
   if (type == "shape") return read_shape(object);
   if (type == "points") {
     PointChannel channel = PointChannel::luminance;

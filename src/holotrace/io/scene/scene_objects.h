@@ -52,6 +52,9 @@ class SceneObjects {
   Geometry read_shape(TomlTable& object);
   Geometry read_parts(const std::string& shape);
   Geometry read_mesh_file(TomlTable& object);
+  Geometry read_picture(TomlTable& object);
+  /// A model where a camera of its file sees it (CameraPlacing).
+  Geometry placed_by_camera(TomlTable& object, const std::string& camera, Geometry local);
   void add_warning(const std::string& sentence);  ///< once
   Model& load_model(TomlTable& object, const PoseTime& at);
   PoseTime pose_of(TomlTable& object);
@@ -65,8 +68,8 @@ class SceneObjects {
   std::set<std::string> open_shapes_;  // shapes being read, to refuse a shape that contains itself
   size_t objects_ = 0;                 // objects read, parts of shapes each time anew
   std::set<std::string> used_shapes_;
-  // By file, pose and variant.
-  std::map<std::tuple<std::string, double, std::string, bool, std::string>, Model> models_;
+  // By file, pose, variant and files per second.
+  std::map<std::tuple<std::string, double, std::string, bool, std::string, double>, Model> models_;
   std::set<int> materials_of_models_;             // those that absorb light
   std::map<std::pair<int, double>, int> scaled_;  // the same of models that are scaled, by material and factor
   int default_material_ = -1;

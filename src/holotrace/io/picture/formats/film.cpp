@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <sstream>
 #include <string_view>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/message_text.h"
 #include "holotrace/io/files/child_process.h"
 #include "holotrace/io/picture/formats/formats.h"
 
@@ -49,6 +52,46 @@ void check_film(const std::string& path) {
       "expected an ffmpeg with the encoder {} to write {} with, got one without it; install one that has it (Debian: "
       "ffmpeg), or name a .webp or .gif",
       encoder, path);
+}
+
+namespace {
+
+// What one of FFmpeg's programs writes about a film.
+std::string ask_of_film(const std::string& path, const std::vector<std::string>& words) {
+  const ProgramRun run = run_program(words, [] { return std::string_view(); });
+  require(
+      run.start_error.empty(),
+      "expected the program {} to read {} with, got \"{}\"; install it (Debian: ffmpeg), or give a series of pictures",
+      words.front(), path, run.start_error);
+  require(run.has_succeeded && !run.output.empty(), "{}: expected a film that {} can read, got \"{}\"; convert it",
+          path, words.front(), printable(run.messages.substr(0, run.messages.find('\n')), 200));
+  return run.output;
+}
+
+}  // namespace
+
+FilmFacts read_film_facts(const std::string& path) {
+  std::istringstream lines(ask_of_film(
+      path, {"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_packets", "-show_entries",
+             "stream=avg_frame_rate,nb_read_packets", "-of", "default=noprint_wrappers=1", "file:" + path}));
+  FilmFacts film;
+  for (std::string line; std::getline(lines, line);) {
+    unsigned long long count = 0, seconds = 0;
+    if (std::sscanf(line.c_str(), "nb_read_packets=%llu", &count) == 1) film.pictures = size_t(count);
+    if (std::sscanf(line.c_str(), "avg_frame_rate=%llu/%llu", &count, &seconds) == 2 && seconds > 0)
+      film.fps = double(count) / double(seconds);
+  }
+  require(film.pictures > 0 && film.fps > 0, "{}: expected a film with pictures, got one without; convert it", path);
+  return film;
+}
+
+std::string read_film_picture(const std::string& path, const FilmFacts& film, size_t number) {
+  std::vector<std::string> words{"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error"};
+  const auto add = [&](std::initializer_list<std::string> some) { words.insert(words.end(), some); };
+  if (number > 0) add({"-ss", fmt::format("{:.6f}", (double(number) - 0.5) / film.fps)});  // the first picture after it
+  add({"-i", "file:" + path, "-map", "0:v:0", "-frames:v", "1", "-sws_flags", "accurate_rnd+full_chroma_int"});
+  add({"-c:v", "png", "-f", "image2pipe", "pipe:1"});
+  return ask_of_film(path, words);
 }
 
 void write_film(const std::string& path, const Frames& frames) {

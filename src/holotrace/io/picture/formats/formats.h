@@ -146,4 +146,16 @@ void write_film(const std::string& path, const Frames& frames);
 /// @throws Error if no ffmpeg is installed that can write such a film
 void check_film(const std::string& path);
 
+/// What a film says of its pictures.
+struct FilmFacts {
+  size_t pictures = 0;  ///< at least one
+  double fps = 0;       ///< their number per second, in the mean
+};
+
+/// The pictures of the first video stream of a film, by the program ffprobe. @throws Error if ffprobe is not installed, or finds none
+FilmFacts read_film_facts(const std::string& path);
+
+/// The bytes of a PNG with the picture of that number, from 0, by the program ffmpeg. @throws Error with ffmpeg's message, if it fails
+std::string read_film_picture(const std::string& path, const FilmFacts& film, size_t number);
+
 }  // namespace holotrace
