@@ -90,7 +90,7 @@ TEST(Commands, WrongUsageExitsWith2AndSaysWhatIsWrong) {
       {{}, "expected a command, got none; known: run, render"},
       {{"rnder", "scene.toml"}, "did you mean \"render\""},
       {{"run", "scene.toml"}, "expected --output DIR, got none"},
-      {{"run", "-o", "out"}, "expected SCENE.toml|MESH (scene), got none"},
+      {{"run", "-o", "out"}, "expected SCENE.toml|MESH|PICTURES (scene), got none"},
       {{"field", "scene.toml", "-o", "f.npy", "--tolerence", "1e-3"},
        "unknown flag \"--tolerence\"; did you mean \"--tolerance\"?"},
       {{"field", "scene.toml", "--tolerence=1e-3"}, "did you mean \"--tolerance\"?"},  // before --output is missed

@@ -449,6 +449,12 @@ TEST(EyeWalk, ItsLightIsThatOfEachPlace) {
   };
   const EyeWalk walk{{-2e-4, 0, 0.02}, {3e-4, 0, 0.0215}};
   const SceneTargets first = trace_targets(at(-2e-4), {}, {nullptr, walk});
+  // A ray from the panel's edge to that of the places at 21.5 mm crosses the plane at 20 mm at t = 20/21.5 of the one and 1 − t of the
+  // other. On the left that is farther out, 0.595 mm, than the places in the plane itself, 0.592 mm; on the right these are: 0.692 mm.
+  const LightField& light_of_walk = first.eyes->lights.front().lights.front();
+  const double t = 20 / 21.5, half = 1e-4 + 5e-4 / 12 + 2.5e-4, edge = job.slm.grid.width() / 2;
+  EXPECT_EQ(light_of_walk.lens_z, 0.02);
+  EXPECT_NEAR(light_of_walk.lens.centre_x, (3e-4 + half - t * (2e-4 + half) - (1 - t) * edge) / 2, 1e-12);
   for (const auto& [x, z] : {std::pair(-2e-4, 0.02), {0.0, 0.0207}, {3e-4, 0.0215}, {-2e-4, 0.0215}}) {
     const Job here = at(x, z);
     const SceneTargets again = trace_targets(here, {}, {first.eyes, walk}), alone = trace_targets(here);

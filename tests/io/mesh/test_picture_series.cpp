@@ -36,9 +36,10 @@ Image bar(int column, int channels = 3) {
   return image;
 }
 
-// File k is there from k/fps on; times i/fps are not exact in binary: 0.1 · 30 is above 3, 0.7 · 10 below 7.
+// File k is there from k/fps on; times k/fps are not exact in binary: 0.29 · 100 is below 29.
 TEST(Series, AFileIsThereFromItsTimeOn) {
   EXPECT_EQ(number_at({0.7, 10}, 20), 7U);
+  EXPECT_EQ(number_at({0.29, 100}, 99), 29U);
   EXPECT_EQ(number_at({0.69, 10}, 20), 6U);
   EXPECT_EQ(number_at({-3, 10}, 20), 0U);
   EXPECT_EQ(number_at({99, 10}, 20), 19U);
