@@ -33,6 +33,16 @@ TEST(Texture, BilinearBetweenPixelCentresWithVUpAndRepeat) {
   EXPECT_EQ(value(-0.25, 1.25), 4);
   EXPECT_EQ(value(0, 0.75), 1.5) << "left of the first centre comes the last column again";
   EXPECT_EQ(value(-1e-17, 0.75), 1.5) << "a rounding below 0";
+  image.sampling = {ImageEdge::mirror, ImageEdge::clamp};
+  EXPECT_EQ(value(0, 0.75), 1) << "left of the first centre comes the first column again";
+  EXPECT_EQ(value(-0.25, 0.75), 1);
+  EXPECT_EQ(value(1.25, 0.75), 2);
+  EXPECT_EQ(value(2.25, 0.75), 1) << "two images further nothing has changed";
+  EXPECT_EQ(value(0.25, 7), 1) << "above, the top row goes on";
+  EXPECT_EQ(value(0.25, -7), 3);
+  image.sampling = {ImageEdge::repeat, ImageEdge::repeat, true};
+  for (const double u : {0.01, 0.49}) EXPECT_EQ(value(u, 0.99), 1) << "an even pixel";
+  EXPECT_EQ(value(0.51, 0.49), 4);
 }
 
 TEST(Render, TexturesStandUpright) {

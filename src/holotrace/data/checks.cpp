@@ -128,13 +128,15 @@ void check_mesh(const Mesh& mesh, const std::vector<Material>& materials) {
   const size_t count = mesh.positions.size();
   require(mesh.normals.empty() || mesh.normals.size() == count, "expected {} normals in mesh \"{}\", got {}", count,
           mesh.name, mesh.normals.size());
-  require(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == count,
-          "expected {} texture coordinates in mesh \"{}\", got {}", count, mesh.name, mesh.texture_coordinates.size());
+  for (const auto* coordinates : {&mesh.texture_coordinates, &mesh.second_coordinates})
+    require(coordinates->empty() || coordinates->size() == count,
+            "expected {} texture coordinates in mesh \"{}\", got {}", count, mesh.name, coordinates->size());
   require(mesh.colours.empty() || mesh.colours.size() == count, "expected {} vertex colours in mesh \"{}\", got {}",
           count, mesh.name, mesh.colours.size());
   const auto is_number = [](Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); };
   require(std::all_of(mesh.normals.begin(), mesh.normals.end(), is_finite) &&
               std::all_of(mesh.texture_coordinates.begin(), mesh.texture_coordinates.end(), is_number) &&
+              std::all_of(mesh.second_coordinates.begin(), mesh.second_coordinates.end(), is_number) &&
               std::all_of(mesh.colours.begin(), mesh.colours.end(), is_finite),
           "expected finite normals, texture coordinates and vertex colours in mesh \"{}\"", mesh.name);
   for (size_t t = 0; t < mesh.triangles.size(); ++t)

@@ -195,7 +195,8 @@ double bytes_of(const Scene& scene) {
   double bytes = 0;
   for (const Mesh& mesh : scene.meshes)
     bytes += double(mesh.positions.size() * sizeof(Vec3) + mesh.normals.size() * sizeof(Vec3) +
-                    mesh.colours.size() * sizeof(Vec3) + mesh.texture_coordinates.size() * sizeof(Vec2) +
+                    mesh.colours.size() * sizeof(Vec3) +
+                    (mesh.texture_coordinates.size() + mesh.second_coordinates.size()) * sizeof(Vec2) +
                     mesh.triangles.size() * sizeof(mesh.triangles[0]));
   return bytes;  // tables and pictures that rest are shared (share_pictures)
 }

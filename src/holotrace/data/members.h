@@ -52,8 +52,8 @@ void members(Archive& archive, BasicField<Real>& noun) {
 
 template <class Archive>
 void members(Archive& archive, Image& noun) {
-  auto& [nx, ny, channels, pitch, centre_x, centre_y, values] = noun;
-  archive(nx, ny, channels, pitch, centre_x, centre_y, values);
+  auto& [nx, ny, channels, pitch, centre_x, centre_y, sampling, values] = noun;
+  archive(nx, ny, channels, pitch, centre_x, centre_y, sampling, values);
 }
 
 template <class Archive>
@@ -218,8 +218,8 @@ void members(Archive& archive, MetallicRoughnessMaterial& part) {
 }
 template <class Archive>
 void members(Archive& archive, PlacedTexture& part) {
-  auto& [image, uu, uv, u0, vu, vv, v0] = part;
-  archive(image, uu, uv, u0, vu, vv, v0);
+  auto& [image, uu, uv, u0, vu, vv, v0, is_second] = part;
+  archive(image, uu, uv, u0, vu, vv, v0, is_second);
 }
 template <class Archive>
 void members(Archive& archive, TexturedNumber& part) {
@@ -235,12 +235,14 @@ template <class Archive>
 void members(Archive& archive, PrincipledMaterial& part) {
   auto& [base_color, metalness, roughness, index, specular, specular_color, anisotropy, anisotropy_rotation,
          anisotropy_direction, transmission, is_thin, attenuation_color, attenuation_distance, diffuse_transmission,
-         diffuse_transmission_color, clearcoat, clearcoat_roughness, clearcoat_index, sheen_color, sheen_roughness,
-         iridescence, iridescence_index, film_thickness, least_thickness, thickness_texture] = part;
+         diffuse_transmission_color, clearcoat, clearcoat_roughness, clearcoat_index, has_coat_normals,
+         clearcoat_normals, clearcoat_normal_scale, sheen_color, sheen_roughness, iridescence, iridescence_index,
+         film_thickness, least_thickness, thickness_texture] = part;
   archive(base_color, metalness, roughness, index, specular, specular_color, anisotropy, anisotropy_rotation,
           anisotropy_direction, transmission, is_thin, attenuation_color, attenuation_distance, diffuse_transmission,
-          diffuse_transmission_color, clearcoat, clearcoat_roughness, clearcoat_index, sheen_color, sheen_roughness,
-          iridescence, iridescence_index, film_thickness, least_thickness, thickness_texture);
+          diffuse_transmission_color, clearcoat, clearcoat_roughness, clearcoat_index, has_coat_normals,
+          clearcoat_normals, clearcoat_normal_scale, sheen_color, sheen_roughness, iridescence, iridescence_index,
+          film_thickness, least_thickness, thickness_texture);
 }
 template <class Archive>
 void members(Archive& archive, ScatteringMaterial& part) {
@@ -276,8 +278,8 @@ void members(Archive& archive, Medium& part) {
 }
 template <class Archive>
 void members(Archive& archive, Mesh& part) {
-  auto& [name, positions, normals, texture_coordinates, colours, triangles, material] = part;
-  archive(name, positions, normals, texture_coordinates, colours, triangles, material);
+  auto& [name, positions, normals, texture_coordinates, second_coordinates, colours, triangles, material] = part;
+  archive(name, positions, normals, texture_coordinates, second_coordinates, colours, triangles, material);
 }
 template <class Archive>
 void members(Archive& archive, PointLight& part) {

@@ -55,6 +55,7 @@ struct MetallicRoughnessMaterial {
 struct PlacedTexture {
   std::shared_ptr<const Image> image{};
   double uu = 1, uv = 0, u0 = 0, vu = 0, vv = 1, v0 = 0;
+  bool is_second = false;  ///< whether it is at the second coordinates of the mesh
 };
 
 /// A number, and a texture of one channel that multiplies it, if present.
@@ -92,6 +93,9 @@ struct PrincipledMaterial {
 
   TexturedNumber clearcoat{0}, clearcoat_roughness{0};  ///< weight and roughness of the coat
   double clearcoat_index = 1.5;
+  bool has_coat_normals = false;  ///< the coat has the normals of the mesh, mapped by its own texture; else the base's
+  PlacedTexture clearcoat_normals{};  ///< as Material::normal_map
+  double clearcoat_normal_scale = 1;
   TexturedColour sheen_color{{0, 0, 0}};
   TexturedNumber sheen_roughness{0.3};
 
@@ -111,6 +115,7 @@ void for_each_texture(Principled& m, F&& f) {
   for (auto* colour : {&m.base_color, &m.specular_color, &m.diffuse_transmission_color, &m.sheen_color})
     f(colour->texture);
   f(m.anisotropy_direction);
+  f(m.clearcoat_normals);
   f(m.thickness_texture);
 }
 
@@ -199,6 +204,7 @@ struct Mesh {
   std::vector<Vec3> positions;                     ///< [m]
   std::vector<Vec3> normals;                       ///< unit, one per position, or empty: flat shading
   std::vector<Vec2> texture_coordinates;           ///< (u, v), v up, one pair per position, or empty
+  std::vector<Vec2> second_coordinates{};          ///< the same, of a second set for PlacedTexture
   std::vector<Vec3> colours;                       ///< linear, one per position, or empty; multiply the base colour
   std::vector<std::array<uint32_t, 3>> triangles;  ///< indices into positions
   int material = 0;                                ///< index into Scene::materials

@@ -231,6 +231,7 @@ void drop_unused_vertices(Mesh& mesh) {
   keep_used(mesh.positions);
   keep_used(mesh.normals);
   keep_used(mesh.texture_coordinates);
+  keep_used(mesh.second_coordinates);
   keep_used(mesh.colours);
   for (auto& t : mesh.triangles)
     for (uint32_t& v : t) v = places[v];
@@ -246,6 +247,7 @@ Mesh clip_mesh(const Mesh& mesh, const std::vector<HalfSpace>& inside) {
     };
     mix(clipped.positions);
     mix(clipped.texture_coordinates);
+    mix(clipped.second_coordinates);
     mix(clipped.colours);
     mix(clipped.normals);
     if (!clipped.normals.empty() && length(clipped.normals.back()) > 0)

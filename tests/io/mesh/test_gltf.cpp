@@ -170,12 +170,23 @@ TEST(Gltf, TexturesAreReadAtTheirOwnPlaces) {
   const LoadedModel both = load(triangle);
   const PlacedTexture& half = std::get<PrincipledMaterial>(both.materials[0].surface).base_color.texture;
   EXPECT_EQ((std::array{half.uu, half.uv, half.u0}), (std::array{0.5, 0.0, 0.0}));
-  // Another set of coordinates is not to be had.
-  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}},
-    "normalTexture": {"index": 0}}])";
+  // A second set of coordinates, with a transform.
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1, "extensions":
+    {"KHR_texture_transform": {"scale": [2, 1], "offset": [0.5, 0]}}}}, "normalTexture": {"index": 0}}])";
   const LoadedModel two = load(triangle);
-  ASSERT_EQ(two.warnings.size(), 1u);
-  EXPECT_NE(two.warnings[0].find("different sets of coordinates; those of the first are used"), std::string::npos);
+  EXPECT_TRUE(two.warnings.empty());
+  EXPECT_EQ(two.meshes[0].texture_coordinates, (std::vector<Vec2>{{0.25, 1}, {1, 1}, {0.25, 0.25}}));
+  EXPECT_EQ(two.meshes[0].second_coordinates, (std::vector<Vec2>{{0.5, 0.5}, {1, 1}, {0, 0}}));
+  const PlacedTexture& second = std::get<PrincipledMaterial>(two.materials[0].surface).base_color.texture;
+  EXPECT_TRUE(second.is_second);
+  EXPECT_EQ((std::array{second.uu, second.uv, second.u0}), (std::array{2.0, 0.0, 0.5}));
+  // A third one is not to be had.
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1},
+    "metallicRoughnessTexture": {"index": 0, "texCoord": 2}}, "normalTexture": {"index": 0}}])";
+  const LoadedModel three = load(triangle);
+  ASSERT_EQ(three.warnings.size(), 1u);
+  EXPECT_NE(three.warnings[0].find("more than two sets of coordinates; the third is at those of the first"),
+            std::string::npos);
   // Counter-clockwise as seen with v down: u turns to −v.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}}}])";
@@ -184,17 +195,38 @@ TEST(Gltf, TexturesAreReadAtTheirOwnPlaces) {
   EXPECT_NEAR(turned.y, 1 + 1, 1e-15);
 }
 
-TEST(Gltf, ATextureThatDoesNotRepeatIsNamedWhereItMatters) {
+TEST(Gltf, TexturesAreSampledAsTheirSamplerSays) {
   small_png();
   GltfTriangle triangle;
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])";
-  triangle.more = R"("textures": [{"source": 0, "sampler": 0}], "samplers": [{"wrapS": 33071}],
-    "images": [{"uri": "small.png"}], )";
-  EXPECT_TRUE(load(triangle).warnings.empty());  // inside [0, 1] there is no difference
-  triangle.set_0[0] = 1.5f;
-  const LoadedModel model = load(triangle);
-  ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("clamped or mirrored at its border; it is repeated"), std::string::npos);
+  triangle.more = R"("textures": [{"source": 0, "sampler": 0}, {"source": 0}], "samplers": [{"wrapS": 33071,
+    "wrapT": 33648, "magFilter": 9728}], "images": [{"uri": "small.png"}], )";
+  const ImageSampling first = metallic_roughness(load(triangle).materials[0]).base_texture->sampling;
+  EXPECT_EQ(first, (ImageSampling{ImageEdge::clamp, ImageEdge::mirror, true}));
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+    "metallicRoughnessTexture": {"index": 1}}}])";
+  const LoadedModel both = load(triangle);  // one image, two samplers; the default is to repeat
+  EXPECT_EQ(metallic_roughness(both.materials[0]).base_texture->sampling, first);
+  EXPECT_EQ(metallic_roughness(both.materials[0]).metallic_texture->sampling, ImageSampling{});
+}
+
+// KHR_materials_clearcoat: a coat without a normal map has the normals of the mesh, not those of the base.
+TEST(Gltf, ACoatHasTheNormalsThatItsFileSays) {
+  small_png();
+  GltfTriangle triangle;
+  triangle.more = R"("textures": [{"source": 0}], "images": [{"uri": "small.png"}], )";
+  const auto coat = [&](const std::string& normals_of_base, const std::string& normals_of_coat) {
+    triangle.materials = "[{" + normals_of_base + R"("extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1)" +
+                         normals_of_coat + "}}}]";
+    return std::get<PrincipledMaterial>(load(triangle).materials[0].surface);
+  };
+  const std::string base = R"("normalTexture": {"index": 0}, )", own = R"(, "clearcoatNormalTexture": {"index": 0)";
+  EXPECT_FALSE(coat("", "").has_coat_normals);
+  EXPECT_FALSE(coat(base, own + "}").has_coat_normals);
+  EXPECT_TRUE(coat(base, "").has_coat_normals);
+  EXPECT_TRUE(coat(base, own + R"(, "scale": 0.5})").has_coat_normals);
+  const PrincipledMaterial alone = coat("", own + "}");
+  EXPECT_TRUE(alone.has_coat_normals && alone.clearcoat_normals.image);
 }
 
 TEST(Gltf, VertexColoursAreLinear) {

@@ -48,6 +48,14 @@ TEST(Bsdf, ANormalMapTurnsTheNormalInTangentSpace) {
   material.normal_map = plain_image(0.5f, lean, lean);
   expect_near(shading_point(material, skew).normal, {half, 0, half}, single);
 
+  // A coat with normals of its own has those of the mesh, or of its map.
+  Material coated{PrincipledMaterial{.has_coat_normals = true}};
+  coated.normal_map = plain_image(lean, 0.5f, lean);
+  expect_near(shading_point(coated, point).normal, {half, 0, half}, single);
+  expect_near(shading_point(coated, point).coat_normal, {0, 0, 1}, single);
+  std::get<PrincipledMaterial>(coated.surface).clearcoat_normals.image = plain_image(0.5f, lean, lean);
+  expect_near(shading_point(coated, point).coat_normal, {0, half, half}, single);
+
   // Without texture coordinates there is no tangent, and the normal stays.
   SurfacePoint plain = point;
   plain.tangent_u = plain.tangent_v = {};

@@ -58,6 +58,16 @@ TEST(Droplets, PhaseFunctionsAreNormalised) {
   }
 }
 
+// Drops of rain: the sum of all terms, term by term in Python with complex numbers, to the digits that were printed.
+TEST(Droplets, LargeDropsHaveThePhaseOfTheFullSum) {
+  for (const auto& [wavelength, phase] :
+       {std::pair{450e-9, 0.02044140082}, {532e-9, 0.02459626232}, {638e-9, 0.02607922904}}) {
+    const MieSphere drop(2 * pi * 200e-6 / wavelength, 1.333);
+    EXPECT_NEAR(drop.phase(-0.7400001) / phase, 1, 1e-8) << wavelength;
+    EXPECT_NEAR(drop.phases({0.7400001}).behind[0] / phase, 1, 1e-8) << wavelength;
+  }
+}
+
 /// Angle between the sun's rays, prolonged, and a rainbow of one inner reflection [rad]: 4·r − 2·i at its extremum, cos²i =
 /// (n² − 1)/3 (Descartes).
 double rainbow(double n) {

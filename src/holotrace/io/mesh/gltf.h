@@ -59,7 +59,7 @@ std::vector<uint32_t> gltf_indices(const GltfFile& gltf, size_t accessor);
 /// each texture, and KHR_materials_emissive_strength, _unlit (a surface that emits its colour), _transmission, _volume, _ior,
 /// _dispersion, _specular, _clearcoat, _sheen, _anisotropy, _iridescence, _diffuse_transmission and _pbrSpecularGlossiness.
 /// A material with layers is a PrincipledMaterial, clear glass a DielectricMaterial (a pane if it has no thickness). A warning
-/// names the rest, once per feature: textures at several sets of coordinates, normals of coats.
+/// names the rest, once per feature: textures at more than two sets of coordinates.
 /// @throws Error naming the file if the data are damaged
 std::vector<FileMaterial> gltf_materials(const GltfFile& gltf, const WarnOnce& warn);
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "holotrace/base/error.h"
 #include "holotrace/io/mesh/gltf.h"
@@ -102,23 +103,36 @@ class Materials {
     if (!parent.contains(key)) return {};
     const Json& info = parent[key];
     const Json& source = gltf_.document.at("textures").at(gltf_count(gltf_, info.at("index")));
-    PlacedTexture found{load(image_of(source), content)};
+    PlacedTexture found{load(image_of(source), content, sampling_of(source))};
     if (!found.image) return {};
     const TextureCoordinates at = coordinates_of(info);
     if (!result_.add_texture(at)) {
-      if (at.set != result_.coordinates.set)
-        warn("coordinates", "has textures at different sets of coordinates; those of the first are used for all");
-      else if (!place(at, result_.coordinates, found))
+      if (at.set != result_.coordinates.set) {
+        if (result_.second_set < 0) result_.second_set = at.set;
+        found = affine(at, found.image);
+        found.is_second = at.set == result_.second_set;
+        if (!found.is_second)
+          warn("coordinates", "has textures at more than two sets of coordinates; the third is at those of the first");
+      } else if (!place(at, result_.coordinates, found))
         warn("transform", "has a texture that is scaled to 0; the others have its coordinates, too");
       is_layered_ = true;
     }
-    if (source.contains("sampler")) {
-      const Json& sampler = gltf_.document.at("samplers").at(gltf_count(gltf_, source["sampler"]));
-      constexpr size_t repeat = 10497;
-      for (const char* axis : {"wrapS", "wrapT"})
-        result_.repeats = result_.repeats && gltf_count(gltf_, sampler, axis, repeat) == repeat;
-    }
     return found;
+  }
+
+  ImageSampling sampling_of(const Json& texture) {
+    ImageSampling sampling;
+    if (!texture.contains("sampler")) return sampling;
+    constexpr size_t repeat = 10497, mirror = 33648, nearest = 9728;
+    const Json& sampler = gltf_.document.at("samplers").at(gltf_count(gltf_, texture["sampler"]));
+    const auto edge = [&](const char* axis) {
+      const size_t mode = gltf_count(gltf_, sampler, axis, repeat);
+      return mode == repeat ? ImageEdge::repeat : mode == mirror ? ImageEdge::mirror : ImageEdge::clamp;
+    };
+    sampling.edge_u = edge("wrapS");
+    sampling.edge_v = edge("wrapT");
+    sampling.is_stepped = gltf_count(gltf_, sampler, "magFilter", 0) == nearest;
+    return sampling;
   }
 
   // The same, for textures that only have the coordinates of the mesh.
@@ -134,13 +148,15 @@ class Materials {
     return found.image;
   }
 
+  // An image at the coordinates of the file.
+  static PlacedTexture affine(const TextureCoordinates& t, Texture image = {}) {
+    const Vec2 o = transform_coordinates(t, {0, 0}), u = transform_coordinates(t, {1, 0}),
+               v = transform_coordinates(t, {0, 1});
+    return {std::move(image), u.x - o.x, v.x - o.x, o.x, u.y - o.y, v.y - o.y, o.y};
+  }
+
   // Where a texture is read, from the coordinates of another one; false if those are scaled to 0.
   static bool place(const TextureCoordinates& at, const TextureCoordinates& of_mesh, PlacedTexture& texture) {
-    const auto affine = [](const TextureCoordinates& t) {
-      const Vec2 o = transform_coordinates(t, {0, 0}), u = transform_coordinates(t, {1, 0}),
-                 v = transform_coordinates(t, {0, 1});
-      return PlacedTexture{{}, u.x - o.x, v.x - o.x, o.x, u.y - o.y, v.y - o.y, o.y};
-    };
     const PlacedTexture to = affine(at), from = affine(of_mesh);
     const double size = from.uu * from.vv - from.uv * from.vu;
     if (size == 0) return false;
@@ -186,12 +202,12 @@ class Materials {
     return t;
   }
 
-  Texture load(int image, ImageContent content) {
+  Texture load(int image, ImageContent content, const ImageSampling& sampling) {
     if (image < 0) {
       warn("texture", "has a texture in an unknown format; its plain colour is used");
       return nullptr;
     }
-    Texture& loaded = images_[{image, content}];
+    Texture& loaded = images_[{image, content, sampling}];
     if (loaded) return loaded;
     std::string label;
     const std::string bytes = gltf_image(gltf_, image, label);
@@ -201,6 +217,7 @@ class Materials {
     }
     Image decoded = decode_image(bytes.data(), bytes.size(), label, content);
     if (content == ImageContent::data) decoded = with_three_channels(std::move(decoded));
+    decoded.sampling = sampling;
     return loaded = std::make_shared<Image>(std::move(decoded));
   }
 
@@ -259,8 +276,10 @@ class Materials {
       is_layered_ = true;
       surface.clearcoat = number(coat, "clearcoatFactor", 0, "clearcoatTexture", 0);
       surface.clearcoat_roughness = number(coat, "clearcoatRoughnessFactor", 0, "clearcoatRoughnessTexture", 1);
-      if (coat.contains("clearcoatNormalTexture"))
-        warn("normals of coats", "has a clear coat with a normal map of its own; it has the normals of the base");
+      surface.clearcoat_normals = texture(coat, "clearcoatNormalTexture", ImageContent::data);
+      surface.clearcoat_normal_scale = member(coat, "clearcoatNormalTexture").value("scale", 1.0);
+      surface.has_coat_normals = surface.clearcoat_normals.image != result_.material.normal_map ||
+                                 surface.clearcoat_normal_scale != result_.material.normal_scale;
     }
     const Json& sheen = member(extensions, "KHR_materials_sheen");
     if (const Vec3 tint = vector(sheen, "sheenColorFactor", {0, 0, 0}); max_component(tint) > 0) {
@@ -377,7 +396,7 @@ class Materials {
   std::string name_;
   FileMaterial result_;
   bool is_layered_ = false;  // it is more than the core's model, or than clear glass
-  std::map<std::pair<int, ImageContent>, Texture> images_;
+  std::map<std::tuple<int, ImageContent, ImageSampling>, Texture> images_;
   std::map<std::pair<Texture, int>, Texture> channels_;
 };
 

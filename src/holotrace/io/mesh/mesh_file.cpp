@@ -163,16 +163,11 @@ void ModelReader::add(Mesh mesh, const FileMaterial& material, const Frame& fram
                      mesh.name));
     mesh.texture_coordinates.assign(mesh.positions.size(), {0, 0});
   } else {
-    bool is_inside = true;
-    for (Vec2& uv : mesh.texture_coordinates) {
-      require(std::isfinite(uv.x) && std::isfinite(uv.y),
-              "{}: expected finite texture coordinates in mesh \"{}\", got ({}, {})", path_, mesh.name, uv.x, uv.y);
-      uv = transform_coordinates(material.coordinates, uv);
-      is_inside = is_inside && uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
-    }
-    if (!is_inside && !material.repeats)
-      warn("wrap", fmt::format("mesh \"{}\" has a texture that is clamped or mirrored at its border; it is repeated",
-                               mesh.name));
+    for (const auto* coordinates : {&mesh.texture_coordinates, &mesh.second_coordinates})
+      for (const Vec2 uv : *coordinates)
+        require(std::isfinite(uv.x) && std::isfinite(uv.y),
+                "{}: expected finite texture coordinates in mesh \"{}\", got ({}, {})", path_, mesh.name, uv.x, uv.y);
+    for (Vec2& uv : mesh.texture_coordinates) uv = transform_coordinates(material.coordinates, uv);
   }
   transform_mesh(frame, mesh);
   for (size_t i = 0; i < mesh.positions.size(); ++i) {

@@ -25,8 +25,8 @@ Vec2 transform_coordinates(const TextureCoordinates& t, Vec2 uv);
 struct FileMaterial {
   Material material{};
   bool has_textures = false;
-  bool repeats = true;  ///< whether its textures repeat beyond their borders, as all are shown
   TextureCoordinates coordinates{};
+  int second_set = -1;  ///< of the coordinates of PlacedTexture::is_second; −1: none
 
   /// Notes a texture at these coordinates; the first one decides, as a mesh has one set of them.
   /// @return whether the texture is at the coordinates of the first

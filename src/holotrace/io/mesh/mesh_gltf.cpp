@@ -337,7 +337,11 @@ class GltfReader {
     reader_.reserve(count, corners);
     if (attributes.contains("NORMAL")) mesh.normals = vectors(attributes, "NORMAL", count);
     if (primitive.contains("targets")) morph(primitive.at("targets"), weights, mesh);
-    read_coordinates(attributes, materials_[material].coordinates.set, count, mesh);
+    mesh.texture_coordinates = coordinates(attributes, materials_[material].coordinates.set, count);
+    if (const int set = materials_[material].second_set; set >= 0) {
+      mesh.second_coordinates = coordinates(attributes, set, count);
+      if (mesh.second_coordinates.empty()) mesh.second_coordinates.resize(count);
+    }
     if (attributes.contains("COLOR_0")) {
       warn_of_alpha(attributes, count, material, name);
       mesh.colours = vectors(attributes, "COLOR_0", count);
@@ -388,11 +392,14 @@ class GltfReader {
     return vectors;
   }
 
-  void read_coordinates(const Json& attributes, int set, size_t count, Mesh& mesh) const {
+  // Texture coordinates of a set, v up; none if the mesh has no such set.
+  std::vector<Vec2> coordinates(const Json& attributes, int set, size_t count) const {
     const std::string key = fmt::format("TEXCOORD_{}", set);
-    if (!attributes.contains(key)) return;
+    std::vector<Vec2> found;
+    if (!attributes.contains(key)) return found;
     const std::vector<double> read = values(attributes, key.c_str(), count, 2);
-    for (size_t i = 0; i < count; ++i) mesh.texture_coordinates.push_back({read[2 * i], 1 - read[2 * i + 1]});
+    for (size_t i = 0; i < count; ++i) found.push_back({read[2 * i], 1 - read[2 * i + 1]});
+    return found;
   }
 
   void add_triangles(const std::vector<uint32_t>& corners, size_t mode, Mesh& mesh) {

@@ -26,7 +26,7 @@ std::optional<double> number_of(std::string_view word) {
 struct Map {
   std::string file;
   TextureCoordinates coordinates{};
-  bool repeats = true;
+  ImageEdge edge = ImageEdge::repeat;
   int channel = 0;  // of red, green, blue, for maps of one number
 };
 
@@ -221,7 +221,7 @@ class Entries {
       } else if (option == "-bm" || option == "-boost" || option == "-texres") {
         numbers(rest, 1);
       } else if (option == "-clamp") {
-        result.repeats = next_word(rest) != "on";
+        result.edge = next_word(rest) == "on" ? ImageEdge::clamp : ImageEdge::repeat;
       } else if (option == "-imfchan") {
         const std::string_view channel = next_word(rest);
         result.channel = channel == "g" ? 1 : channel == "b" ? 2 : 0;
@@ -269,6 +269,7 @@ std::shared_ptr<const Image> metallic_texture_of(const ChannelOf& roughness, con
     return std::max(roughness.image ? (*roughness.image).*side : 0, metallic.image ? (*metallic.image).*side : 0);
   };
   auto texture = std::make_shared<Image>(larger(&Image::ny), larger(&Image::nx), 3);
+  texture->sampling = (roughness.image ? roughness : metallic).image->sampling;
   for (int row = 0; row < texture->ny; ++row)
     for (int column = 0; column < texture->nx; ++column) {
       (*texture)(row, column, 1) = roughness.at(row, column, *texture);
@@ -299,8 +300,10 @@ FileMaterial material_of(const Entry& entry, ModelReader& reader) {
     if (!image) return nullptr;
     if (!result.add_texture(map.coordinates))
       warn("coordinates", "has textures with different coordinates (-s, -o); those of the first are used for all");
-    result.repeats = result.repeats && map.repeats;
-    return image;
+    if (map.edge == ImageEdge::repeat) return image;
+    Image clamped = *image;
+    clamped.sampling = {map.edge, map.edge};
+    return std::make_shared<Image>(std::move(clamped));
   };
   // A factor of 0 with a texture would be black. Exporters that write this mean the texture alone.
   const auto factor = [](const std::optional<double>& value, const std::shared_ptr<const Image>& image) {

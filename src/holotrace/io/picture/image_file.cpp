@@ -202,6 +202,7 @@ Image decode_image(const void* bytes, size_t size, const std::string& name, Imag
 Image channel_of(const Image& image, int channel) {
   Image one(image.ny, image.nx, 1);
   one.pitch = image.pitch;
+  one.sampling = image.sampling;
   for (size_t i = 0; i < one.values.size(); ++i)
     one.values[i] = image.values[i * size_t(image.channels) + size_t(std::min(channel, image.channels - 1))];
   return one;

@@ -246,7 +246,7 @@ void SceneObjects::check_growth(TomlTable& object, const Geometry& geometry, siz
   double bytes = double(geometry.points.size()) * sizeof(ScenePoint);
   for (const Mesh& mesh : geometry.meshes)
     bytes += sizeof mesh + double(mesh.positions.size() + mesh.normals.size() + mesh.colours.size()) * sizeof(Vec3) +
-             double(mesh.texture_coordinates.size()) * sizeof(Vec2) +
+             double(mesh.texture_coordinates.size() + mesh.second_coordinates.size()) * sizeof(Vec2) +
              double(mesh.triangles.size()) * sizeof mesh.triangles[0];
   const double most = physical_memory() / 4;  // parts, wholes and the rays' tree are there at the same time
   require(bytes * double(copies) <= most,

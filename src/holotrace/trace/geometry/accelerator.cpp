@@ -110,7 +110,7 @@ struct Accelerator::Implementation {
     for (const Mesh& mesh : scene.meshes) {
       const Material& material = scene.materials[size_t(mesh.material)];
       std::vector<TrianglePlane> planes = planes_of(mesh, precision);
-      const bool needs_tangents = material.normal_map || is_brushed(material);
+      const bool needs_tangents = has_mapped_normals(material) || is_brushed(material);
       const bool is_smooth = has_own_normals(mesh, planes);
       const bool is_textured = has_texture(material) || (needs_tangents && !mesh.texture_coordinates.empty());
       const bool is_even = !is_smooth && !is_textured && mesh.colours.empty();
@@ -134,7 +134,8 @@ struct Accelerator::Implementation {
   bool lets_through(const Ray& ray, const GridHit& found, Veils veils) const {
     const Surface& surface = surfaces[found.mesh];
     if (!surface.has_openings) return false;
-    const Vec2 uv = surface.is_textured ? coordinates_in(*surface.mesh, found) : Vec2{};
+    const Vec2 uv =
+        surface.is_textured ? coordinates_in(surface.mesh->texture_coordinates, *surface.mesh, found) : Vec2{};
     const double opacity = opacity_at(scene.materials[size_t(surface.material)], uv);
     if (opacity <= 0 || opacity >= 1) return opacity <= 0;
     if (veils.kind != Veils::Kind::drawn) return veils.kind == Veils::Kind::passed && found.mesh != veils.but;
@@ -305,9 +306,9 @@ struct Accelerator::Implementation {
     return a + (mesh.positions[j] - a) * found.b1 + (mesh.positions[k] - a) * found.b2;
   }
 
-  static Vec2 coordinates_in(const Mesh& mesh, const GridHit& found) {
+  static Vec2 coordinates_in(const std::vector<Vec2>& of_mesh, const Mesh& mesh, const GridHit& found) {
     const auto [i, j, k] = mesh.triangles[found.triangle];
-    const Vec2 p = mesh.texture_coordinates[i], q = mesh.texture_coordinates[j], r = mesh.texture_coordinates[k];
+    const Vec2 p = of_mesh[i], q = of_mesh[j], r = of_mesh[k];
     const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
     return {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
   }
@@ -334,7 +335,8 @@ struct Accelerator::Implementation {
         point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
     }
     if (surface.is_textured) {
-      point.uv = coordinates_in(mesh, found);
+      point.uv = coordinates_in(mesh.texture_coordinates, mesh, found);
+      if (!mesh.second_coordinates.empty()) point.second_uv = coordinates_in(mesh.second_coordinates, mesh, found);
       if (surface.needs_tangents) add_tangents(mesh, found.triangle, point);
     }
     if (!mesh.colours.empty()) point.colour = mesh.colours[i] * b0 + mesh.colours[j] * b1 + mesh.colours[k] * b2;

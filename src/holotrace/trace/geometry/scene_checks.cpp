@@ -276,10 +276,11 @@ void check_light_and_materials(const Scene& scene) {
             "material without a texture",
             mesh.name);
     constexpr double farthest = 1e9;  // in textures
-    for (const Vec2 uv : mesh.texture_coordinates)
-      require(std::abs(uv.x) <= farthest && std::abs(uv.y) <= farthest,
-              "expected texture coordinates of at most {:g} in mesh \"{}\", got ({:g}, {:g})", farthest, mesh.name,
-              uv.x, uv.y);
+    for (const auto* coordinates : {&mesh.texture_coordinates, &mesh.second_coordinates})
+      for (const Vec2 uv : *coordinates)
+        require(std::abs(uv.x) <= farthest && std::abs(uv.y) <= farthest,
+                "expected texture coordinates of at most {:g} in mesh \"{}\", got ({:g}, {:g})", farthest, mesh.name,
+                uv.x, uv.y);
   }
   require(is_light_value(scene.background), "expected a background of 0 W/m²/sr or more, got ({}, {}, {})",
           scene.background.x, scene.background.y, scene.background.z);

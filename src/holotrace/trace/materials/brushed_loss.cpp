@@ -1,7 +1,6 @@
 #include "holotrace/trace/materials/brushed_loss.h"
 
 #include <map>
-#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -10,11 +9,11 @@
 namespace holotrace {
 namespace {
 
-double brushed_loss_at(double cosine, double along, Vec2 alpha) {
+// By midpoints over the visible normals, as mean_over_visible_normals, but all around.
+double brushed_loss_at(double cosine, double along, Vec2 alpha, int azimuths, int heights) {
   const double sine = std::sqrt(1 - cosine * cosine);
   const Vec3 o{sine * along, sine * std::sqrt(1 - along * along), cosine};
   const double masking = smith_masking(o, alpha);
-  constexpr int azimuths = 48, heights = 48;  // as mean_over_visible_normals, but all around
   double kept = 0;
   for (int j = 0; j < heights; ++j) {
     const double s = 1 - (j + 0.5) / heights, measure = 3 * s * s / (azimuths * heights);
@@ -40,13 +39,13 @@ double mean_over_turns(int size, const Value& value) {
   return sum / (0.5 * pi);
 }
 
-BrushedLoss make_brushed_loss(Vec2 alpha) {
+BrushedLoss make_brushed_loss(Vec2 alpha, int azimuths, int heights) {
   BrushedLoss table;
   for (int i = 0; i < BrushedLoss::cosines; ++i) {
     const double s = double(i) / (BrushedLoss::cosines - 1);
     for (int j = 0; j < BrushedLoss::turns; ++j)
-      table.losses[size_t(i)][size_t(j)] =
-          float(brushed_loss_at(std::fmax(1e-6, s * s), double(j) / (BrushedLoss::turns - 1), alpha));
+      table.losses[size_t(i)][size_t(j)] = float(
+          brushed_loss_at(std::fmax(1e-6, s * s), double(j) / (BrushedLoss::turns - 1), alpha, azimuths, heights));
   }
   table.mean = mean_over_hemisphere(BrushedLoss::cosines, [&](int i) {
     return mean_over_turns(BrushedLoss::turns, [&](int j) { return table.losses[size_t(i)][size_t(j)]; });
@@ -62,29 +61,47 @@ BrushedLoss make_brushed_loss(Vec2 alpha) {
 
 }  // namespace
 
-const BrushedLoss& brushed_loss(Vec2 alpha) {
-  struct Last {
-    Vec2 alpha{};
-    const BrushedLoss* loss = nullptr;
-  };
-  thread_local Last last;  // neighbouring paths often meet the same metal
-  if (last.loss && last.alpha.x == alpha.x && last.alpha.y == alpha.y) return *last.loss;
+BrushedLossBetween brushed_loss(double roughness, double anisotropy) {
   static std::mutex mutex;
-  static std::map<std::pair<double, double>, std::unique_ptr<const BrushedLoss>> known;
+  static std::map<std::pair<double, double>, BrushedLoss> known;
+  const Vec2 alpha = brushed_alpha(roughness, anisotropy);
   const std::pair key(alpha.x, alpha.y);
-  const auto find = [&]() -> const BrushedLoss* {
+  thread_local std::pair<std::pair<double, double>, const BrushedLoss*> last;  // paths often meet the same metal again
+  if (!last.second || last.first != key) {
     const std::lock_guard lock(mutex);
-    const auto found = known.find(key);
-    return found == known.end() ? nullptr : found->second.get();
-  };
-  const BrushedLoss* loss = find();
-  if (!loss) {  // made without the lock, so that threads make theirs at the same time
-    auto made = std::make_unique<const BrushedLoss>(make_brushed_loss(alpha));
-    const std::lock_guard lock(mutex);
-    loss = known.try_emplace(key, std::move(made)).first->second.get();
+    const auto [entry, is_new] = known.try_emplace(key);
+    if (is_new) entry->second = make_brushed_loss(alpha, 48, 48);
+    last = {key, &entry->second};
   }
-  last = {alpha, loss};
-  return *loss;
+  return {{last.second}, {1}};
+}
+
+BrushedLossBetween brushed_loss_of_texel(double roughness, double anisotropy) {
+  constexpr int rows = 13, columns = 9;
+  struct Kept {
+    std::once_flag once;
+    BrushedLoss table;
+  };
+  static std::array<std::array<Kept, columns>, rows> kept;
+  // Losses are nearly linear in α, so in the squares.
+  const auto split = [](double share, int size) {
+    const double at = std::clamp(share, 0.0, 1.0) * (size - 1);
+    const int first = std::min(int(at), size - 2);
+    return std::pair(first, (at * at - first * first) / (2 * first + 1));
+  };
+  const auto [row, down] = split(roughness, rows);
+  const auto [column, along] = split(anisotropy, columns);
+  BrushedLossBetween between;
+  for (int k = 0; k < 4; ++k) {
+    const int i = row + k / 2, j = column + k % 2;
+    Kept& entry = kept[size_t(i)][size_t(j)];
+    std::call_once(entry.once, [&] {
+      entry.table = make_brushed_loss(brushed_alpha(double(i) / (rows - 1), double(j) / (columns - 1)), 16, 24);
+    });
+    between.tables[size_t(k)] = &entry.table;
+    between.weights[size_t(k)] = (k / 2 ? down : 1 - down) * (k % 2 ? along : 1 - along);
+  }
+  return between;
 }
 
 }  // namespace holotrace

@@ -105,19 +105,24 @@ Bsdf make_bsdf(const Material& material, const SurfacePoint& point, const Lines&
 
 SurfacePoint shading_point(const Material& material, const SurfacePoint& point) {
   SurfacePoint shaded = point;
-  if (material.normal_map) {
+  const auto mapped = [&](Vec3 texel, double scale) {
     const Vec3 front = point.is_front ? point.normal : -point.normal;
     const Vec3 along = point.tangent_u - front * dot(front, point.tangent_u);
     const double side = dot(cross(front, along), point.tangent_v);
-    if (length(along) > 0 && side != 0) {
-      const Vec3 tangent = normalize(along), bitangent = cross(front, tangent) * std::copysign(1.0, side);
-      const Vec3 map = eval_texture(*material.normal_map, point.uv) * 2 - Vec3{1, 1, 1};
-      const double scale = material.normal_scale;
-      const Vec3 turned = tangent * (scale * map.x) + bitangent * (scale * map.y) + front * map.z;
-      if (length(turned) > 0) shaded.normal = normalize(point.is_front ? turned : -turned);
-    }
-  }
+    if (!(length(along) > 0) || side == 0) return point.normal;
+    const Vec3 tangent = normalize(along), bitangent = cross(front, tangent) * std::copysign(1.0, side);
+    const Vec3 map = texel * 2 - Vec3{1, 1, 1};
+    const Vec3 turned = tangent * (scale * map.x) + bitangent * (scale * map.y) + front * map.z;
+    return length(turned) > 0 ? normalize(point.is_front ? turned : -turned) : point.normal;
+  };
+  if (material.normal_map) shaded.normal = mapped(eval_texture(*material.normal_map, point.uv), material.normal_scale);
   shaded.normal = facing_normal(shaded.normal, point.geometric_normal);
+  if (const auto* layers = std::get_if<PrincipledMaterial>(&material.surface); layers && layers->has_coat_normals) {
+    const PlacedTexture& map = layers->clearcoat_normals;
+    shaded.coat_normal = facing_normal(
+        map.image ? mapped(eval_texture(map, point.uv, point.second_uv), layers->clearcoat_normal_scale) : point.normal,
+        point.geometric_normal);
+  }
   return shaded;
 }
 

@@ -25,37 +25,66 @@ MieSphere::MieSphere(double x, std::complex<double> m) : x_(x) {
     chi_before = std::exchange(chi, next_chi);
     const Complex xi(psi, -chi), xi_before(psi_before, -chi_before);
     const Complex electric = derivative[size_t(n)] / m + n / x, magnetic = derivative[size_t(n)] * m + n / x;
-    a_.push_back((electric * psi - psi_before) / (electric * xi - xi_before));
-    b_.push_back((magnetic * psi - psi_before) / (magnetic * xi - xi_before));
-    extinction_ += (2 * n + 1) * (a_.back() + b_.back()).real();
-    scattering_ += (2 * n + 1) * (std::norm(a_.back()) + std::norm(b_.back()));
+    const Complex a = (electric * psi - psi_before) / (electric * xi - xi_before),
+                  b = (magnetic * psi - psi_before) / (magnetic * xi - xi_before);
+    const double weight = (2 * n + 1) / (n * (n + 1.0));
+    sums_.push_back(weight * (a + b));
+    differences_.push_back(weight * (a - b));
+    extinction_ += (2 * n + 1) * (a + b).real();
+    scattering_ += (2 * n + 1) * (std::norm(a) + std::norm(b));
   }
   extinction_ *= 2 / (x * x);
   scattering_ *= 2 / (x * x);
 }
 
-double MieSphere::phase(double cosine) const {
-  std::complex<double> s1, s2;
-  double pi_before = 0, pi_now = 1;  // angular functions π_n
-  for (size_t i = 0; i < a_.size(); ++i) {
-    const double n = double(i) + 1, tau = n * cosine * pi_now - (n + 1) * pi_before;
-    const double factor = (2 * n + 1) / (n * (n + 1));
-    s1 += factor * (a_[i] * pi_now + b_[i] * tau);
-    s2 += factor * (a_[i] * tau + b_[i] * pi_now);
-    const double next = ((2 * n + 1) * cosine * pi_now - (n + 1) * pi_before) / n;
-    pi_before = std::exchange(pi_now, next);
+// S₁ ± S₂ are sums of (a_n ± b_n)·(π_n ± τ_n); at the negative cosine π_n + τ_n is (−1)^(n+1)·(π_n − τ_n).
+MieSphere::Phases MieSphere::phases(const std::array<double, lanes>& cosines) const {
+  using Lanes = std::array<double, lanes>;
+  struct Amplitude {
+    Lanes re{}, im{};
+  } plus, minus, plus_behind, minus_behind;
+  Lanes before{}, now;  // π_n
+  now.fill(1);
+  for (size_t i = 0; i < sums_.size(); ++i) {
+    const double n = double(i) + 1, grown = (2 * n + 1) / n, kept = (n + 1) / n, sign = i % 2 ? -1 : 1;
+    const double p = sums_[i].real(), q = sums_[i].imag(), r = differences_[i].real(), s = differences_[i].imag();
+    for (size_t k = 0; k < lanes; ++k) {
+      const double tau = n * cosines[k] * now[k] - (n + 1) * before[k];
+      const double sum = now[k] + tau, difference = now[k] - tau;
+      plus.re[k] += p * sum, plus.im[k] += q * sum;
+      minus.re[k] += r * difference, minus.im[k] += s * difference;
+      plus_behind.re[k] += sign * p * difference, plus_behind.im[k] += sign * q * difference;
+      minus_behind.re[k] += sign * r * sum, minus_behind.im[k] += sign * s * sum;
+      const double next = grown * cosines[k] * now[k] - kept * before[k];
+      before[k] = std::exchange(now[k], next);
+    }
   }
-  return (std::norm(s1) + std::norm(s2)) / (2 * pi * x_ * x_ * scattering_);
+  Phases found;
+  const double scale = 1 / (4 * pi * x_ * x_ * scattering_);
+  const auto light = [&](const Amplitude& a, const Amplitude& b, size_t k) {
+    return scale * (a.re[k] * a.re[k] + a.im[k] * a.im[k] + b.re[k] * b.re[k] + b.im[k] * b.im[k]);
+  };
+  for (size_t k = 0; k < lanes; ++k) {
+    found.ahead[k] = light(plus, minus, k);
+    found.behind[k] = light(plus_behind, minus_behind, k);
+  }
+  return found;
 }
 
 PhaseTable::PhaseTable(const MieSphere& sphere, double x) {
   const size_t cells = std::max<size_t>(360, size_t(16 * x));  // the first dark ring is at 3.8/x: 20 cells
   density_.resize(cells);
   share_.resize(cells + 1);
-  for (size_t i = 0; i < cells; ++i) {
-    density_[i] = sphere.phase(std::cos(pi * (double(i) + 0.5) / double(cells)));
-    share_[i + 1] = share_[i] + 2 * pi * density_[i] * (edge(i) - edge(i + 1));
+  for (size_t first = 0; 2 * first < cells; first += MieSphere::lanes) {
+    std::array<double, MieSphere::lanes> cosines;
+    for (size_t k = 0; k < cosines.size(); ++k) cosines[k] = std::cos(pi * (double(first + k) + 0.5) / double(cells));
+    const MieSphere::Phases phases = sphere.phases(cosines);
+    for (size_t k = 0; k < cosines.size() && first + k < cells; ++k) {
+      density_[first + k] = phases.ahead[k];
+      density_[cells - 1 - (first + k)] = phases.behind[k];
+    }
   }
+  for (size_t i = 0; i < cells; ++i) share_[i + 1] = share_[i] + 2 * pi * density_[i] * (edge(i) - edge(i + 1));
   const double all = share_.back();
   for (double& density : density_) density /= all;
   for (double& share : share_) share /= all;

@@ -17,11 +17,7 @@ constexpr Vec3 white{1, 1, 1};
 double share(double x) { return std::clamp(x, 0.0, 1.0); }
 Vec3 share(Vec3 v) { return {share(v.x), share(v.y), share(v.z)}; }
 
-Vec3 texel_of(const PlacedTexture& t, const SurfacePoint& point) {
-  if (!t.image) return white;
-  const auto [u, v] = point.uv;
-  return eval_texture(*t.image, {t.uu * u + t.uv * v + t.u0, t.vu * u + t.vv * v + t.v0});
-}
+Vec3 texel_of(const PlacedTexture& t, const SurfacePoint& point) { return eval_texture(t, point.uv, point.second_uv); }
 
 double number_at(const TexturedNumber& n, const SurfacePoint& point) {
   return share(n.value * texel_of(n.texture, point).x);
@@ -98,11 +94,10 @@ Vec3 tangent_of(const Principled& material, const SurfacePoint& point) {
   return along * std::cos(angle) + cross(front, along) * (side * std::sin(angle));
 }
 
-double few_values(double share, double steps = 64) { return std::round(share * steps) / steps; }
-
 /// α of a solid's rough boundary. Those of textures have few values, as boundary_loss keeps a table of each.
 double alpha_of_solid(const Principled& material, double roughness) {
-  if (material.roughness.texture.image) roughness = few_values(roughness);
+  constexpr double steps = 64;
+  if (material.roughness.texture.image) roughness = std::round(roughness * steps) / steps;
   return roughness * roughness;
 }
 
@@ -141,6 +136,9 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
     const double coat_roughness = number_at(material.clearcoat_roughness, point);
     b.coat_f0 = f0_of_index(material.clearcoat_index);
     b.coat_facets.alpha = coat_roughness * coat_roughness;
+    b.coat_normal = point.coat_normal;
+    constexpr double least = 1e-3;  // the mirror image of the base's normal is no branch of such a coat
+    if (length(b.coat_normal) > 0) b.coat_facets.alpha = std::fmax(b.coat_facets.alpha, least);
     if (!b.is_coat_smooth()) {
       b.coat_facets.albedo = MicrofacetAlbedo(b.coat_facets.alpha);
       b.coat_mean_loss = b.coat_facets.albedo.mean().loss;
@@ -151,18 +149,14 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   const double alpha = roughness * roughness, strength = number_at(material.anisotropy, point);
   b.facets.alpha = {alpha, alpha};
   if (strength > 0) {
-    constexpr double least = 1e-3;  // along the grooves
-    // Those of textures have few values, as brushed_loss keeps a table of each.
-    const double even = material.roughness.texture.image ? std::pow(few_values(roughness), 2) : alpha,
-                 brush = material.anisotropy.texture.image ? few_values(strength, 16) : strength;
-    b.facets.alpha = {std::fmax(even + (1 - even) * brush * brush, least), std::fmax(even, least)};
+    b.facets.alpha = brushed_alpha(roughness, strength);
+    const bool is_textured = material.roughness.texture.image || material.anisotropy.texture.image;
+    b.facets.brushed = is_textured ? brushed_loss_of_texel(roughness, strength) : brushed_loss(roughness, strength);
     b.tangent = tangent_of(material, point);
   }
   if (!b.is_base_smooth()) {
-    const auto [along, across] = b.facets.alpha;
-    if (along != across) b.facets.brushed = &brushed_loss(b.facets.alpha);
-    b.facets.albedo = MicrofacetAlbedo(b.facets.brushed ? b.facets.brushed->even_alpha : along);
-    b.mean_loss = b.facets.brushed ? b.facets.brushed->mean : b.facets.albedo.mean().loss;
+    b.facets.albedo = MicrofacetAlbedo(b.facets.brushed ? b.facets.brushed->even_alpha() : alpha);
+    b.mean_loss = b.facets.brushed ? b.facets.brushed->mean() : b.facets.albedo.mean().loss;
   }
 
   const Vec3 specular_colour = lines.from_rgb(colour_at(material.specular_color, point));
@@ -306,7 +300,7 @@ std::optional<BsdfSample> sample(const PrincipledBsdf& b, Vec3 outgoing, double 
     }
     case PrincipledPart::coat:
       if (b.is_coat_smooth()) return specular_way(b, choice, outgoing, false);
-      i = sample_reflection(b.coat_facets, o, choice.coat_multiple, rest, u);
+      i = view.from_coat(sample_reflection(b.coat_facets, view.at_coat(o), choice.coat_multiple, rest, u));
       break;
     case PrincipledPart::base:
       if (b.is_base_smooth()) return specular_way(b, choice, outgoing, false);
@@ -333,7 +327,7 @@ std::optional<BsdfSample> sample(const PrincipledBsdf& b, Vec3 outgoing, double 
   if (i.z == 0 || (chosen != PrincipledPart::solid && is_transmission != goes_on)) return std::nullopt;
   const Vec3 direction = transform_vector(view.frame, i);
   if ((dot(b.geometric_normal, direction) < 0) != is_transmission) return std::nullopt;
-  const PrincipledLight light = between(b, choice, o, i, lobe);
+  const PrincipledLight light = between(b, choice, view, i, lobe);
   if (!(light.pdf > 0)) return std::nullopt;
   const double scale = is_transmission && b.glass > 0 ? 1 / (b.solid.index * b.solid.index) : 1;
   return BsdfSample{direction, light.value / light.pdf,         light.pdf, lobe, is_transmission,

@@ -82,6 +82,8 @@ struct BoundaryReflectance {
 /// two factors in min() differ by, of a rough metal and of light that leaves a solid.
 /// Emission is on top of all layers.
 ///
+/// A coat may have normals of its own: what is below sees it as if it had those of the base.
+///
 /// As lobes: diffuse and sheen are D, rough coat, base and glass are G, smooth ones S.
 struct PrincipledBsdf {
   Vec3 normal, geometric_normal;
@@ -93,6 +95,7 @@ struct PrincipledBsdf {
   Sheen sheen{};
 
   double coat = 0, coat_f0 = 0, coat_mean_loss = 0;  ///< weight of the coat, its F₀, and 1 − Ē
+  Vec3 coat_normal;                                  ///< 0: normal; else the coat is not smooth
   RoughReflection coat_facets{0};                    ///< specular if its α is below smooth_alpha
 
   double dielectric_share = 1, metal_share = 0;  ///< factors of the two boundaries
@@ -159,7 +162,14 @@ struct PrincipledChoice {
 
 /// The surface as one viewer sees it, in a frame along the tangent.
 struct PrincipledView : ShadingView {
-  PrincipledView(const PrincipledBsdf& b, Vec3 to_viewer) : ShadingView(b.normal, to_viewer, b.tangent) {}
+  PrincipledView(const PrincipledBsdf& b, Vec3 to_viewer) : ShadingView(b.normal, to_viewer, b.tangent) {
+    if (length(b.coat_normal) > 0) coat = frame_from_normal(local(facing_normal(b.coat_normal, to_viewer)));
+  }
+
+  std::optional<Frame> coat{};  ///< of a coat with normals of its own, in this frame
+
+  Vec3 at_coat(Vec3 v) const { return coat ? to_local(*coat, v) : v; }
+  Vec3 from_coat(Vec3 v) const { return coat ? transform_vector(*coat, v) : v; }
 };
 
 inline PrincipledChoice choose(const PrincipledBsdf& b, double cosine) {
@@ -200,14 +210,16 @@ inline LobeSet lobes(const PrincipledBsdf& b) {
                            (b.glass > 0 && !b.solid.is_smooth())};
 }
 
-/// f·|cosθ_i| of a lobe between two local directions, and the density with which `sample` draws i in it [1/sr].
+/// f·|cosθ_i| of a lobe between the viewer and a local direction i, and the density with which `sample` draws i in it [1/sr].
 struct PrincipledLight {
   Vec3 value;
   double pdf = 0;
 };
 
-inline PrincipledLight between(const PrincipledBsdf& b, const PrincipledChoice& choice, Vec3 o, Vec3 i, Lobe lobe) {
+inline PrincipledLight between(const PrincipledBsdf& b, const PrincipledChoice& choice, const PrincipledView& view,
+                               Vec3 i, Lobe lobe) {
   PrincipledLight light;
+  const Vec3 o = view.outgoing;
   const bool is_through = i.z < 0;
   const Vec3 up{i.x, i.y, std::fabs(i.z)};
   const auto add = [&](PrincipledPart part, Vec3 value, double pdf) {
@@ -234,12 +246,12 @@ inline PrincipledLight between(const PrincipledBsdf& b, const PrincipledChoice& 
   }
   if (!is_through && b.coat > 0 && !b.is_inside && !b.is_coat_smooth())
     add(PrincipledPart::coat,
-        eval_reflection(b.coat_facets, o, i,
+        eval_reflection(b.coat_facets, view.at_coat(o), view.at_coat(i),
                         [&](double cosine) {
                           return Vec3{1, 1, 1} * (b.coat_f0 + (1 - b.coat_f0) * schlick_weight(cosine));
                         }) *
             (b.coat * sheen),
-        pdf_reflection(b.coat_facets, o, i, choice.coat_multiple));
+        pdf_reflection(b.coat_facets, view.at_coat(o), view.at_coat(i), choice.coat_multiple));
   if (b.is_base_smooth()) return light;
   if (!is_through) {
     add(PrincipledPart::base,
@@ -262,7 +274,7 @@ inline PrincipledLight between(const PrincipledBsdf& b, Vec3 outgoing, Vec3 inco
   const PrincipledView view(b, outgoing);
   const Vec3 i = to_local(view.frame, incoming);
   if (i.z == 0 || (dot(b.geometric_normal, incoming) > 0) != (i.z > 0)) return {};
-  return between(b, has_pdf ? choose(b, view.outgoing.z) : PrincipledChoice{}, view.outgoing, i, lobe);
+  return between(b, has_pdf ? choose(b, view.outgoing.z) : PrincipledChoice{}, view, i, lobe);
 }
 
 inline Vec3 eval(const PrincipledBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lobe) {

@@ -188,7 +188,7 @@ class PathWalk {
 
  private:
   void set_found(const Ray& ray) {
-    if (point_.light < 0 && material().normal_map) point_ = shading_point(material(), point_);
+    if (point_.light < 0 && has_mapped_normals(material())) point_ = shading_point(material(), point_);
     set_first(automaton_.start(), -ray.direction, 1, Aim::random);
     throughput_ = hit_.weight;
   }
@@ -334,7 +334,7 @@ class PathWalk {
       return false;
     }
     if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
-    if (material().normal_map) point_ = shading_point(material(), point_);
+    if (has_mapped_normals(material())) point_ = shading_point(material(), point_);
     ++depth_;
     arrive();
     return true;

@@ -21,7 +21,8 @@ struct SurfacePoint {
   Vec3 position;              ///< [m]
   Vec3 geometric_normal;      ///< normal of the triangle
   Vec3 normal;                ///< interpolated, for shading
-  Vec2 uv;                    ///< 0 without a texture
+  Vec3 coat_normal;           ///< of a clear coat with normals of its own (shading_point); 0: as the surface
+  Vec2 uv, second_uv;         ///< 0 without a texture
   Vec3 tangent_u, tangent_v;  ///< ∂position/∂u and ∂position/∂v [m]; 0 without a normal map
   /// Colour of the vertices, interpolated. Of a particle: radiance of a black body of its temperature at the lines, of a nanometre
   /// of the spectrum [W/m²/sr], if its medium has one.

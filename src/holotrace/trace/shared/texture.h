@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <variant>
@@ -18,18 +19,29 @@ inline double floor_of(double number) {
   return whole > number ? whole - 1 : whole;
 }
 
-/// texel(row, column) of an image between pixel centres at (u, v), bilinear. v is up: row 0 of the image is the top, v = 1; beyond
-/// [0, 1] the image repeats.
+/// A coordinate of a texture, brought to [0, 1].
+inline double fold(double u, ImageEdge edge) {
+  if (edge == ImageEdge::clamp) return std::clamp(u, 0.0, 1.0);
+  const double period = edge == ImageEdge::mirror ? 2 : 1, rest = u - period * floor_of(u / period);
+  return rest > 1 ? 2 - rest : rest;
+}
+
+/// texel(row, column) of an image between pixel centres at (u, v), bilinear or stepped. v is up: row 0 of the image is the top,
+/// v = 1; beyond [0, 1] is what Image::sampling says.
 template <class Texel>
 auto between_texels(const Image& image, Vec2 uv, const Texel& texel) {
-  const auto wrap = [](double position, int count) {
+  const auto wrap = [](double position, int count, ImageEdge edge) {
     const int index = int(position);
+    if (edge != ImageEdge::repeat) return std::clamp(index, 0, count - 1);
     return index < 0 ? index + count : index < count ? index : index - count;
   };
-  const double x = (uv.x - floor_of(uv.x)) * image.nx - 0.5, y = (1 - (uv.y - floor_of(uv.y))) * image.ny - 0.5;
+  double x = fold(uv.x, image.sampling.edge_u) * image.nx - 0.5,
+         y = (1 - fold(uv.y, image.sampling.edge_v)) * image.ny - 0.5;
+  if (image.sampling.is_stepped) x = floor_of(x + 0.5), y = floor_of(y + 0.5);
   const double left = floor_of(x), top = floor_of(y), s = x - left, t = y - top;
-  const int column = wrap(left, image.nx), next_column = wrap(left + 1, image.nx);
-  const int row = wrap(top, image.ny), next_row = wrap(top + 1, image.ny);
+  const int column = wrap(left, image.nx, image.sampling.edge_u),
+            next_column = wrap(left + 1, image.nx, image.sampling.edge_u);
+  const int row = wrap(top, image.ny, image.sampling.edge_v), next_row = wrap(top + 1, image.ny, image.sampling.edge_v);
   return (texel(row, column) * (1 - s) + texel(row, next_column) * s) * (1 - t) +
          (texel(next_row, column) * (1 - s) + texel(next_row, next_column) * s) * t;
 }
@@ -40,6 +52,13 @@ inline Vec3 eval_texture(const Image& image, Vec2 uv) {
     if (image.channels < 3) return Vec3{1, 1, 1} * double(image(row, column));
     return {image(row, column, 0), image(row, column, 1), image(row, column, 2)};
   });
+}
+
+/// The same at the coordinates of a mesh; white without a texture.
+inline Vec3 eval_texture(const PlacedTexture& t, Vec2 first, Vec2 second) {
+  if (!t.image) return {1, 1, 1};
+  const auto [u, v] = t.is_second ? second : first;
+  return eval_texture(*t.image, {t.uu * u + t.uv * v + t.u0, t.vu * u + t.vv * v + t.v0});
 }
 
 /// The part of the rays that a material stops at (u, v), from 0 to 1.
@@ -60,7 +79,13 @@ inline bool is_brushed(const Material& material) {
   return layers && layers->anisotropy.value > 0;
 }
 
+/// Whether a surface, or a coat on it, has normals that its mesh does not have.
+inline bool has_mapped_normals(const Material& material) {
+  const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
+  return material.normal_map || (layers && layers->has_coat_normals);
+}
+
 /// Whether a mirror or glass acts everywhere as its mesh has it: without a normal map, and without rays that go through it.
-inline bool acts_as_its_mesh(const Material& material) { return !material.normal_map && is_opaque(material); }
+inline bool acts_as_its_mesh(const Material& material) { return !has_mapped_normals(material) && is_opaque(material); }
 
 }  // namespace holotrace
