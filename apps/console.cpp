@@ -167,6 +167,8 @@ struct Figure {
 constexpr std::array figures{Figure{"waves", "{:.0f} waves"},
                              Figure{"efficiency", "{:.2f} of the panel's light leaves it"}};
 
+constexpr double good_psnr = 25;  // of a view against its render [dB]; below, speckle and fringes are plain to see
+
 std::optional<double> number_of(const StageReport& stage, const char* name) {
   for (const auto& [fact, value] : stage.facts) {
     if (fact != name) continue;
@@ -217,6 +219,9 @@ void print_summary(const Report& report, const std::string& folder, const FileRe
   fmt::print("{:<28} {:>9.2f} s\n", "all stages", total);
   for (const ViewWords& view : views_in_words(report_json(report)))
     fmt::print("{}: {}\n{}", view.name, view.nearness, view.light.empty() ? "" : "    " + view.light + "\n");
+  double least = good_psnr;
+  for (const StageReport& stage : report.stages) least = std::min(least, number_of(stage, "psnr_db").value_or(least));
+  if (least < good_psnr) fmt::print("for a better picture: --quality good, or more --frames\n");
   std::vector<std::string> names{"report.json"};
   for (const auto& [name, bytes] : files) names.push_back(name);
   std::sort(names.begin(), names.end());

@@ -11,6 +11,7 @@
 #include "flags.h"
 #include "holotrace/base/error.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
@@ -111,6 +112,12 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
                    files > 1 ? fmt::format(" to {}, {} pictures of {} holograms", numbered_path(o->output, files - 1),
                                            files, holograms.size())
                              : "");
+      const int levels = holograms.front().levels;
+      if (!global.is_quiet && levels < 256 && (levels & (levels - 1)) != 0 && extension_of(o->output) != ".csv")
+        fmt::print(
+            "levels 0 to {} are spread over the greys 0 to 255; for a panel whose greys are its levels, write them as .csv, or "
+            "give the maker's table by --lut\n",
+            levels - 1);
       return;
     }
     const std::vector<PanelImage> images = o->panel.images(holograms, "", warnings_on_terminal());

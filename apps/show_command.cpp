@@ -149,11 +149,21 @@ void add_show_command(CLI::App& app, const GlobalFlags& global) {
 
     Console console(global.is_quiet);
     Report report;
+    bool is_for_all_light = false;  // optimised without a pupil: the light goes nearly straight on
     const HologramSeries holograms{
-        inputs.size(),
-        [&](size_t i) { return load_input(inputs[i], o->slm, o->flags, wavelengths[is_one ? 0 : i], is_one); }};
+        inputs.size(), [&](size_t i) {
+          PanelHologram loaded = load_input(inputs[i], o->slm, o->flags, wavelengths[is_one ? 0 : i], is_one);
+          const Hologram& hologram = loaded.hologram;
+          is_for_all_light |= hologram.encoder == "sgd" && hologram.viewing.are_known() && hologram.viewing.pupil == 0;
+          return loaded;
+        }};
     const SeriesViews seen = view_holograms(holograms, {params, propagation, camera, from}, report, console.stages());
     console.finish();
+    if (is_for_all_light && camera.pupil > 0 && camera.eye.z > 0)
+      say("warning: the holograms were found for all light that leaves the panel, most of which may pass beside this pupil; for an "
+          "eye, make them by holotrace run … --eye \"{} {} {}\" --pupil \"{}\"\n",
+          format_length(camera.eye.x), format_length(camera.eye.y), format_length(camera.eye.z),
+          format_length(camera.pupil));
     say_warnings(write_views(o->output, {from, seen.views, seen.sweep, seen.stereo, camera},
                              seen.sweep.images.empty() ? Observer() : console.watch("save the sweep")));
     console.finish();

@@ -24,7 +24,8 @@ def compare(reference: Union[Image, Field], other: Union[Image, Field]) -> Dict[
     Images: ``psnr`` and ``psnr_unscaled`` [dB], ``psnr_amplitude`` [dB], ``ssim``, ``ssim_unscaled``, ``scale``,
     ``rms_error``, ``speckle_contrast``, ``bright_fraction``, ``power_ratio``, ``uniformity``. Fields:
     ``relative_error``, ``scaled_error``, ``scale``, ``correlation``. Of an image in colour and a grey one, such as a render and
-    a view of one wavelength, the luminances are compared.
+    a view of one wavelength, the luminances are compared. Figures in a report of ``run`` may be better: they leave out the noise
+    of its render.
     """
     if isinstance(reference, Image) and isinstance(other, Image):
         return dict(_core.compare_images(reference._core, other._core))

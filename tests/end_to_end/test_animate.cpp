@@ -285,7 +285,10 @@ TEST(Animate, PicturesThatFollowEachOtherAreAFilm) {
         place += view(j, i) * (i + 0.5 - view.nx / 2.0);
       }
     // Centre (40 + 4k − 64)/128 of 0.5 of the view; light beside the square is even and counts nothing on the left or the right.
-    if (k > 0) EXPECT_NEAR(place / light - before, view.nx * 0.5 * 4 / 128, 0.25 * view.nx * 0.5 * 4 / 128) << k;
+    const double step = view.nx * 0.5 * 4 / 128;
+    if (k > 0) {
+      EXPECT_NEAR(place / light - before, step, 0.25 * step) << k;
+    }
     before = place / light;
   }
 }

@@ -65,6 +65,7 @@ LoadedModel load_picture(const PictureSource& source, double width, const Series
   Mesh mesh = surface_of(picture.depth, width, height);
   mesh.name = std::filesystem::path(source.file).stem().string();
   Material material(DiffuseMaterial{{0, 0, 0}}, {1, 1, 1});
+  picture.picture.sampling = {ImageEdge::clamp, ImageEdge::clamp};
   material.emission_texture = std::make_shared<Image>(std::move(picture.picture));
   model.materials.push_back(std::move(material));
   model.meshes.push_back(std::move(mesh));

@@ -23,7 +23,7 @@ bool is_picture_series(const std::string& path);
 /// white [W/m²/sr]. It is one rectangle about the z axis at z = 0; with depths it is one for each pixel, at z = −depth, and pixels without
 /// a depth are left out.
 ///
-/// Light between the centres of pixels is interpolated, also at the border, beyond which the picture is repeated.
+/// Light between the centres of pixels is interpolated.
 /// @param width  of the picture [m]; pixels are square
 /// @param time   of a series; the rate of a film is that of its file
 /// @throws Error as load_image, load_depth_image, file_at and read_film_picture do
