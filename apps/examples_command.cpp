@@ -11,8 +11,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/message_text.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/shipped_files.h"
 #include "holotrace/io/files/text.h"
-#include "holotrace/io/shipped_files.h"
 
 namespace holotrace {
 namespace {

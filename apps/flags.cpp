@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <sstream>
 #include <vector>
@@ -210,11 +211,13 @@ std::vector<std::string> with_bare_flags(const CLI::App& app, int argc, const ch
         command = sub;
         break;
       }
+    if (argument == "--") break;  // names of files follow
     if (!argument.starts_with("--")) continue;
     const CLI::Option* option = option_named(command, argument);
     if (option == nullptr || option->get_type_name() != "BOOL") continue;
-    const bool has_value =
-        i + 1 < arguments.size() && std::find(truths.begin(), truths.end(), arguments[i + 1]) != truths.end();
+    std::string next = i + 1 < arguments.size() ? arguments[i + 1] : "";
+    std::transform(next.begin(), next.end(), next.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    const bool has_value = std::find(truths.begin(), truths.end(), next) != truths.end();
     if (!has_value) argument += "=true";
   }
   return arguments;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "holotrace/io/files/series.h"
+#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/scene/eye_track_file.h"
 #include "holotrace/io/scene/model_job.h"
 #include "holotrace/io/scene/scene_file.h"
@@ -76,6 +78,11 @@ ModelParams SceneFlags::model(const std::string& scene) const {
     require(!flags.has(name) || is_model(scene),
             "expected {} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
             dashed(name), scene);
+  for (const char* name : {"up", "rotation", "floor", "model_camera", "model_lights"})
+    require(!flags.has(name) || !is_model(scene) || is_mesh_file(scene),
+            "expected {} with a mesh, got the pictures {}; leave it out", dashed(name), scene);
+  require(!flags.has("series_fps") || is_series(scene),
+          "expected --series-fps with a series of files such as wave_####.ply, got {}; leave it out", scene);
   return model;
 }
 

@@ -210,7 +210,7 @@ TEST(BadInput, WrongWavelengthListsArePlaced) {
 
 TEST(BadInput, DamagedModelsAreRefusedAlone) {
   const Workplace work;
-  expect_error(work, {"run", "none.glb", "-o", "out"}, {"none.glb", "a mesh", "no such file"});
+  expect_error(work, {"run", "none.glb", "-o", "out"}, {"none.glb", "a model", "no such file"});
   work.write("broken.glb", "glTF");
   expect_error(work, {"run", "broken.glb", "-o", "out"}, {"broken.glb", "truncated", "export it again"});
   work.write("old.gltf", R"({"asset": {"version": "1.0"}})");

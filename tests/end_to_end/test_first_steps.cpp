@@ -80,8 +80,18 @@ TEST(FirstSteps, WhatHasNoEffectIsAWarning) {
   expect_words(work, quick_run({"--columns", "16", "--rows", "8"}), "rays of the trace, not pixels of the panel");
   expect_words(work, {"show", "out/hologram.png", "--eye", "5 3 250 mm", "-o", "v.png"},
                "the eye has no effect without a pupil");
+  succeed(work, {"show", "out/hologram.png", "--eye", "0 0 250 mm", "--pupil", "1 mm", "-o", "v.png"});
+  succeed(work, {"show", "out/hologram.png", "-o", "v.png"});
+}
+
+TEST(FirstSteps, APupilBesideTheLightIsAWarning) {
+  const Workplace work;
+  work.write("m.obj", square);
+  work.write("p.toml", panel_file);
+  succeed(work, quick_run({}));
   expect_words(work, {"show", "out/hologram.png", "--eye", "0 0 250 mm", "--pupil", "1 mm", "-o", "v.png"},
                "found for all light that leaves the panel");
+  succeed(work, quick_run({"--eye", "0 0 250 mm", "--pupil", "1 mm"}));
   succeed(work, {"show", "out/hologram.png", "-o", "v.png"});
 }
 

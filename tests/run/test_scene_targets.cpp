@@ -363,6 +363,16 @@ TEST(Eyes, DepthOfFocusIsThatOfThePupil) {
   EXPECT_NEAR(distances.back(), 0.024, 1e-6);
 }
 
+// The planes of an eye that walks are those of one distance, so that each time has them whichever is found first.
+TEST(Eyes, ThatWalkHaveTheSamePlanesEverywhere) {
+  Job near = squares_for_an_eye();
+  near.encode.pupil *= 2;  // four planes, of which the two in the middle depend on the eye
+  Job far = near;
+  far.encode.eye[2] *= 1.1;
+  EXPECT_NE(target_distances_of(near), target_distances_of(far));
+  EXPECT_EQ(target_distances_of(near), target_distances_of(far, near.encode.eye[2]));
+}
+
 TEST(Eyes, ViewsAreDrawnInTheBoxAndHaveTheLightOfTheirPupil) {
   // As for the pupils of a light field: 2 mm at 300 mm, and the same 1 % of the light, less 7 % by diffraction.
   Job job = two_squares();

@@ -9,8 +9,10 @@
 #include <thread>
 
 #include "holotrace/data/acceptance.h"
+#include "holotrace/data/job.h"
 #include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/render.h"
+#include "holotrace/trace/shared/texture.h"
 #include "holotrace/trace/trace.h"
 #include "trace/scenes.h"
 
@@ -43,6 +45,47 @@ TEST(Texture, BilinearBetweenPixelCentresWithVUpAndRepeat) {
   image.sampling = {ImageEdge::repeat, ImageEdge::repeat, true};
   for (const double u : {0.01, 0.49}) EXPECT_EQ(value(u, 0.99), 1) << "an even pixel";
   EXPECT_EQ(value(0.51, 0.49), 4);
+  EXPECT_EQ(value(0.25, 0), 3) << "v = 0 is the lower border of the bottom row";
+  EXPECT_EQ(value(-1e-17, 0.75), 2) << "a rounding below 0 is the right border of the last column";
+}
+
+// Values beside an image of one pixel, one row or one column would be found if it were read outside.
+TEST(Texture, SmallImagesAreReadInsideOnly) {
+  for (const auto& [rows, columns] : {std::pair{1, 1}, {1, 3}, {3, 1}}) {
+    Image image(rows, columns, 1);
+    std::fill(image.values.begin(), image.values.end(), 7.0f);
+    for (const ImageEdge edge : {ImageEdge::repeat, ImageEdge::mirror, ImageEdge::clamp})
+      for (const bool is_stepped : {false, true})
+        for (const double u : {0.0, -1e-17, 0.3, 1.0, 1 - 1e-16, -2.0})
+          for (const double v : {0.0, -1e-17, 0.3, 1.0, 1 - 1e-16, -2.0}) {
+            image.sampling = {edge, edge, is_stepped};
+            between_texels(image, {u, v}, [&](int row, int column) {
+              EXPECT_TRUE(row >= 0 && row < rows && column >= 0 && column < columns)
+                  << row << ", " << column << " of " << rows << " x " << columns << " at " << u << ", " << v;
+              return 0.0;
+            });
+            EXPECT_NEAR(eval_texture(image, {u, v}).x, 7, 1e-14);
+          }
+  }
+}
+
+// Moments share equal pictures with the scene at the start (open_shutter); one that is sampled otherwise is another picture.
+TEST(Texture, MomentsOfAShutterKeepTheSamplingOfTheirPictures) {
+  const auto at = [](double time) {
+    Image image(2, 2, 1);
+    image.sampling.is_stepped = time > 0.5;
+    Material paper{DiffuseMaterial{}};
+    std::get<DiffuseMaterial>(paper.surface).texture = std::make_shared<Image>(image);
+    Job job;
+    job.last_key = 1;
+    job.scene.materials = {paper};
+    return job;
+  };
+  const Job job = open_shutter(at(0), 1, at);
+  ASSERT_FALSE(job.moments.empty());
+  const auto texture = [](const Scene& scene) { return std::get<DiffuseMaterial>(scene.materials[0].surface).texture; };
+  EXPECT_EQ(texture(*job.moments.front().scene), texture(job.scene));
+  EXPECT_TRUE(texture(*job.moments.back().scene)->sampling.is_stepped);
 }
 
 TEST(Render, TexturesStandUpright) {

@@ -154,7 +154,8 @@ bool are_equal(const MeasuredBrdf& a, const MeasuredBrdf& b) {
 
 // Lets a picture be the one of another scene if both are equal.
 void share(std::shared_ptr<const Image>& picture, const std::shared_ptr<const Image>& other) {
-  if (picture && other && picture->nx == other->nx && picture->ny == other->ny && picture->values == other->values)
+  if (picture && other && picture->nx == other->nx && picture->ny == other->ny &&
+      picture->channels == other->channels && picture->sampling == other->sampling && picture->values == other->values)
     picture = other;
 }
 

@@ -158,7 +158,7 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
 
 bool has_light_for(const LightField& light, const Vec3& eye, const EncodeParams& params) {
   constexpr double rounding = 1e-9;
-  if (light.lens_z > eye.z + rounding) return false;
+  if (light.lens_z > eye.z) return false;
   const PlanePart part = crossed_part(covered_part(eye, params), eye.z, std::min(light.lens_z, eye.z), light.panel);
   const double right = light.left() + light.cell_width() * light.columns,
                low = light.top() - light.cell_height() * light.rows;

@@ -87,8 +87,9 @@ Aperture aperture_of(const Job& job) {
   return {pupil_of(job.encode), eyes.front().z};
 }
 
-FocusScale::FocusScale(const Job& job) {
-  const Aperture aperture = aperture_of(job);
+FocusScale::FocusScale(const Job& job, std::optional<double> eye_z) {
+  Aperture aperture = aperture_of(job);
+  if (aperture.z > 0) aperture.z = eye_z.value_or(aperture.z);
   const double wavelength = view_wavelength(job.wavelengths, job.trace.has_common_cone);
   per_reciprocal_ = aperture.side * aperture.side / (2 * wavelength);
   z_ = aperture.z;
@@ -121,7 +122,7 @@ double depth_of_scene(const Job& job) {
   return depth;
 }
 
-std::vector<double> target_distances_of(const Job& job) {
+std::vector<double> target_distances_of(const Job& job, std::optional<double> eye_z) {
   if (!job.encode.target_distances.empty()) return job.encode.target_distances;
   const std::vector<DepthRange> ranges = ranges_of(job);
   if (ranges.empty() && last_change(job)) return job.camera.distances;  // nothing is in view at this time of a film
@@ -130,7 +131,7 @@ std::vector<double> target_distances_of(const Job& job) {
       "expected something in the panel's window, {} wide, for target planes, found nothing; move the scene, or give "
       "target_distances",
       format_length(job.slm.grid.width()));
-  const FocusScale scale(job);
+  const FocusScale scale(job, eye_z);
   const bool has_eyes = aperture_of(job).z > 0;
   std::vector<DepthSpan> spans;
   for (const auto& [nearest, farthest] : ranges) {
@@ -327,7 +328,8 @@ SceneTargets trace_targets(const Job& job, const Observer& observer, const Targe
   SceneTargets targets;
   const uint64_t cause = aims_at_eyes(job) ? cause_of_eye_light(job) : 0;
   const bool is_kept = cause != 0 && reuse.earlier && has_light_for(*reuse.earlier, job, cause);
-  targets.distances = is_kept ? reuse.earlier->distances : target_distances_of(job);
+  const auto eye_z = reuse.walk ? std::optional(reuse.walk->low.z) : std::nullopt;
+  targets.distances = is_kept ? reuse.earlier->distances : target_distances_of(job, eye_z);
   warn_of_sparse_planes(job, observer);
   if (!is_kept) warn_of_focus_beside(job, observer);
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})

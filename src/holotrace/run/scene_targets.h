@@ -24,7 +24,8 @@ Aperture aperture_of(const Job& job);
 /// whose pixels send light into a cone of the half angle θ, points have light from 2s·tan θ of it only: λ/(2 tan²θ).
 class FocusScale {
  public:
-  explicit FocusScale(const Job& job);
+  /// @param eye_z  distance of the eye, in place of that of the job [m]
+  explicit FocusScale(const Job& job, std::optional<double> eye_z = {});
 
   /// Number of depths of focus from the panel (with eyes: from infinity, and negative) to the plane at a distance [m], which is negative
   /// in front of the panel. It grows with the distance.
@@ -50,8 +51,9 @@ double depth_of_scene(const Job& job);
 /// planes one depth of focus beyond the scene at both ends; for eyes, whose depth of focus is larger than most scenes, these
 /// would cost more than they gain (docs/explanation/encoders.md). In increasing order.
 /// Where nothing is in the panel's window at a time of a film, they are those of the camera.
+/// @param eye_z   distance of the eye, in place of that of the job [m]: of an eye that walks, whose planes are the same at all times
 /// @throws Error  for another scene without anything in the panel's window
-std::vector<double> target_distances_of(const Job& job);
+std::vector<double> target_distances_of(const Job& job, std::optional<double> eye_z = {});
 
 /// Warns if neighbouring planes that the job gives are more than 1.5 depths of focus apart: light between them is not
 /// controlled.

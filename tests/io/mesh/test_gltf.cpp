@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -182,17 +183,45 @@ TEST(Gltf, TexturesAreReadAtTheirOwnPlaces) {
   EXPECT_EQ((std::array{second.uu, second.uv, second.u0}), (std::array{2.0, 0.0, 0.5}));
   // A third one is not to be had.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1},
-    "metallicRoughnessTexture": {"index": 0, "texCoord": 2}}, "normalTexture": {"index": 0}}])";
+    "metallicRoughnessTexture": {"index": 0, "texCoord": 2, "extensions": {"KHR_texture_transform": {"scale": [4, 1]}}}},
+    "normalTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 1]}}}}])";
   const LoadedModel three = load(triangle);
   ASSERT_EQ(three.warnings.size(), 1u);
   EXPECT_NE(three.warnings[0].find("more than two sets of coordinates; the third is at those of the first"),
             std::string::npos);
+  // 4u, of coordinates of the mesh that are 2u.
+  EXPECT_EQ(std::get<PrincipledMaterial>(three.materials[0].surface).roughness.texture.uu, 2);
+  // The mesh has no second set.
+  triangle.primitives = R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 4, "material": 0}])";
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}},
+    "normalTexture": {"index": 0}}])";
+  const LoadedModel missing = load(triangle);
+  ASSERT_EQ(missing.warnings.size(), 1u);
+  EXPECT_NE(missing.warnings[0].find("has textures at TEXCOORD_1 but no such texture coordinates"), std::string::npos);
+  EXPECT_EQ(missing.meshes[0].second_coordinates, std::vector<Vec2>(3));
   // Counter-clockwise as seen with v down: u turns to −v.
   triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions":
     {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}}}])";
   const Vec2 turned = load(triangle).meshes[0].texture_coordinates[1];  // (1, 0), v down
   EXPECT_NEAR(turned.x, 0, 1e-15);
   EXPECT_NEAR(turned.y, 1 + 1, 1e-15);
+}
+
+// KHR_materials_unlit: the base colour alone is shown, so that the mesh has its coordinates, whatever other textures there are.
+TEST(Gltf, AnUnlitSurfaceHasTheCoordinatesOfItsBaseColour) {
+  small_png();
+  GltfTriangle triangle;
+  triangle.primitives =
+      R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 2}, "indices": 4, "material": 0}])";
+  triangle.more = R"("textures": [{"source": 0}], "images": [{"uri": "small.png"}], )";
+  triangle.materials = R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1},
+    "metallicRoughnessTexture": {"index": 0}}, "normalTexture": {"index": 0}, "emissiveTexture": {"index": 0},
+    "extensions": {"KHR_materials_unlit": {}}}])";
+  const LoadedModel model = load(triangle);
+  EXPECT_TRUE(model.warnings.empty());
+  EXPECT_TRUE(model.materials[0].emission_texture);
+  EXPECT_FALSE(model.materials[0].normal_map);
+  EXPECT_EQ(model.meshes[0].texture_coordinates, (std::vector<Vec2>{{0.5, 0.5}, {1, 1}, {0, 0}}));
 }
 
 TEST(Gltf, TexturesAreSampledAsTheirSamplerSays) {
@@ -225,6 +254,13 @@ TEST(Gltf, ACoatHasTheNormalsThatItsFileSays) {
   EXPECT_FALSE(coat(base, own + "}").has_coat_normals);
   EXPECT_TRUE(coat(base, "").has_coat_normals);
   EXPECT_TRUE(coat(base, own + R"(, "scale": 0.5})").has_coat_normals);
+  // The same image elsewhere is another map; at a second set it leans along the first one's tangents.
+  EXPECT_TRUE(coat(base, own + R"(, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}})").has_coat_normals);
+  EXPECT_TRUE(coat(base, own + R"(, "texCoord": 1})").has_coat_normals);
+  const auto warnings = load(triangle).warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find("normal map of its clear coat at a second set") != std::string::npos;
+  }));
   const PrincipledMaterial alone = coat("", own + "}");
   EXPECT_TRUE(alone.has_coat_normals && alone.clearcoat_normals.image);
 }

@@ -8,6 +8,7 @@
 #include "holotrace/io/files/series.h"
 #include "holotrace/io/mesh/picture_mesh.h"
 #include "holotrace/io/picture/animation.h"
+#include "holotrace/io/picture/formats/formats.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/scene_file.h"
 #include "support/error_of.h"
@@ -65,6 +66,28 @@ TEST(Series, BeginsAtAnyNumberAndHasNoGap) {
 }
 
 // Triangle k has its corner at x = k.
+// A file of that very name is no series: scenes and models may have # in their names.
+TEST(Series, AFileOfThatNameGoesFirst) {
+  const std::string path = make_file("my##scene.toml", "");
+  EXPECT_EQ(file_at(path, {1, 2}).path, path);
+  EXPECT_FALSE(file_at(path, {1, 2}).end);
+}
+
+// A picture is shown from its own time to that of the next one, on a clock that begins with the first; the last is as long as the others
+// in the mean: 4 pictures in 5 s, 5 · 4/3 s.
+TEST(Films, PicturesHaveTheirOwnTimes) {
+  const FilmFacts film{{1, 1.25, 1.5, 6}, 0.5};
+  EXPECT_EQ(film.number_at(-1, false), 0u);
+  EXPECT_EQ(film.number_at(0.24, false), 0u);
+  EXPECT_EQ(film.number_at(0.25, false), 1u);
+  EXPECT_EQ(film.number_at(4.9, false), 2u);
+  EXPECT_EQ(film.number_at(5, false), 3u);
+  EXPECT_EQ(film.number_at(100, false), 3u);
+  EXPECT_DOUBLE_EQ(film.end(), 20 / 3.0);
+  EXPECT_EQ(film.number_at(20 / 3.0 + 0.3, true), 1u);
+  EXPECT_EQ((FilmFacts{{0}, 0}.end()), 0);
+}
+
 TEST(Series, MeshesAreAnAnimation) {
   std::string folder;
   for (int k = 1; k <= 3; ++k) {
@@ -134,6 +157,8 @@ TEST(Pictures, DepthsPlaceEachPixel) {
     EXPECT_LT(length(low - Vec3{i % 2 == 0 ? -1e-3 : 0, i < 2 ? 0 : -1e-3, low.z}), 1e-18) << i;
     EXPECT_LT(length(high - low - Vec3{1e-3, 1e-3, 0}), 1e-18);
   }
+  std::filesystem::copy_file(depth, std::filesystem::path(depth).parent_path() / "d_02.png");
+  EXPECT_NE(error_of([&] { load_job(scene); }).find("expected depths for as long as the pictures"), std::string::npos);
 }
 
 // By itself a film fills 0.8 of the view in its middle, 300 mm behind pluto, in three colours, and ends with its last picture.

@@ -113,13 +113,13 @@ TEST(DepthImageFile, ErrorsNameTheFileAndSayWhatToDo) {
     return error_of([&] { load_depth_image(p, d, near, far); });
   };
   const std::string range = depth + ": expected two different depths of its white and black, got near ";
-  EXPECT_EQ(error(picture, depth, 0, 0), range + "0 m and far 0 m; give --near and --far");
-  EXPECT_EQ(error(picture, depth, 0.2, 0.2), range + "200 mm and far 200 mm; give --near and --far");
+  EXPECT_EQ(error(picture, depth, 0, 0), range + "0 m and far 0 m; give near and far");
+  EXPECT_EQ(error(picture, depth, 0.2, 0.2), range + "200 mm and far 200 mm; give near and far");
   EXPECT_EQ(error(picture, depth, 0.2, NAN).rfind(range, 0), 0U);
   EXPECT_EQ(error_of([&] { load_depth_image(picture, depth, -0.1, 0.1, DepthScale::disparity); }),
             depth +
                 ": expected near and far on one side of the panel with the disparity, the inverse of the depth, got "
-                "-100 mm and 100 mm; use --depth-scale depth");
+                "-100 mm and 100 mm; use the depth scale depth");
   const std::string small = picture_file("s.png", 2, 2, 1);
   EXPECT_EQ(error(picture, small, 0.1, 0.2), small + ": expected depths for 3 × 2 pixels, as " + picture +
                                                  " has, got 2 × 2; make both pictures one size");

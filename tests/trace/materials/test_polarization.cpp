@@ -232,6 +232,32 @@ TEST(Polarization, AFilmTurnsPhasesAsAirysSum) {
   EXPECT_NEAR(change.d.y, 0.5 * (std::norm(r_s) - std::norm(r_p)) / all, of_matrices);
 }
 
+// A coat of index 1.5 with normals of its own on a black base, about which both directions are at Brewster's angle: no p is reflected.
+// Light of several microfacets, which has no polarization, is below 1e-5 of a smooth coat.
+TEST(Polarization, ALeaningCoatPolarisesWhollyAtItsBrewstersAngle) {
+  PrincipledMaterial coated;
+  coated.base_color.value = {0, 0, 0};
+  coated.specular.value = 0;
+  coated.clearcoat.value = 1;
+  for (const Vec3 normal : {normalize(Vec3{0.3, 0, 1}), normalize(Vec3{-0.1, 0.4, 1})}) {
+    SurfacePoint point = flat_point();
+    point.coat_normal = normal;
+    const Frame frame = frame_from_normal(normal);
+    for (const double turn : {0.0, 1.0, 2.0}) {
+      const Vec3 across = frame.x * std::cos(turn) + frame.y * std::sin(turn);
+      const double angle = std::atan(1.5);
+      const Vec3 outgoing = normal * std::cos(angle) + across * std::sin(angle),
+                 incoming = normal * std::cos(angle) - across * std::sin(angle);
+      if (std::min(outgoing.z, incoming.z) < 0.05) continue;
+      const PolarizationChange change =
+          polarization_of(make_bsdf(coated, point, Lines{}), outgoing, incoming, Lobe::glossy);
+      EXPECT_NEAR(change.d.y, 1, 1e-5) << turn;
+      EXPECT_NEAR(change.c.y, 0, 1e-5) << turn;
+      EXPECT_NEAR(std::abs(dot(change.axis, cross(normal, across))), 1, of_matrices) << "s is across the coat's normal";
+    }
+  }
+}
+
 TEST(Polarization, AFilmWithoutThicknessPolarisesAsItsBase) {
   // r = (r₁₂ + r₂₃)/(1 + r₁₂·r₂₃) = r₁₃, Fresnel's of the base alone.
   PrincipledMaterial film;

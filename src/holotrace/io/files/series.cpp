@@ -64,7 +64,8 @@ size_t number_at(const SeriesTime& time, size_t count) {
 }
 
 SeriesFile file_at(const std::string& path, const SeriesTime& time) {
-  if (!is_series(path)) return {path};
+  std::error_code unreadable;
+  if (!is_series(path) || fs::exists(fs::path(path), unreadable)) return {path};
   const std::vector<uint64_t> numbers = numbers_of_series(path);
   require(!numbers.empty(), "{}: expected files with a number in place of the #, such as {}, got none", path,
           path_in_series(path, 1));

@@ -29,7 +29,7 @@ struct SeriesFile {
   std::optional<double> end{};  ///< of the series: its number of files / fps [s]; nothing if it is none
 };
 
-/// The file of a series that is there at a time; other paths as they are. Numbers begin anywhere.
+/// The file of a series that is there at a time; other paths, and a file of that very name, as they are. Numbers begin anywhere.
 /// @throws Error  if no file has such a name, and naming the first one that is missing between others
 SeriesFile file_at(const std::string& path, const SeriesTime& time);
 

@@ -30,15 +30,17 @@ class Materials {
     const Json& extensions = member(source, "extensions");
     const Json& core = member(source, "pbrMetallicRoughness");
     Material& material = result_.material;
+    const bool is_unlit = extensions.contains("KHR_materials_unlit");  // its base colour alone is shown
     // Textures of all surfaces are at the coordinates of the mesh, those of layers may be elsewhere.
-    material.emission_texture = texture_of_mesh(source, "emissiveTexture", ImageContent::colour);
+    if (!is_unlit) material.emission_texture = texture_of_mesh(source, "emissiveTexture", ImageContent::colour);
     material.emission = vector(source, "emissiveFactor", {0, 0, 0}) *
                         member(extensions, "KHR_materials_emissive_strength").value("emissiveStrength", 1.0);
     require(
         is_finite(material.emission) && std::min({material.emission.x, material.emission.y, material.emission.z}) >= 0,
         "{}: expected emissive factors of 0 or more in material \"{}\"", gltf_.path, name_);
-    material.normal_map = texture_of_mesh(source, "normalTexture", ImageContent::data);
+    if (!is_unlit) material.normal_map = texture_of_mesh(source, "normalTexture", ImageContent::data);
     material.normal_scale = member(source, "normalTexture").value("scale", 1.0);
+    place_of_normals_ = coordinates_of(member(source, "normalTexture"));
     const Json& glossy = member(extensions, "KHR_materials_pbrSpecularGlossiness");
     const bool is_glossy = extensions.contains("KHR_materials_pbrSpecularGlossiness");
     if (is_glossy)  // the core's model is beside it for programs without the extension
@@ -51,7 +53,7 @@ class Materials {
     const PlacedTexture metallic =
         is_glossy ? PlacedTexture() : texture(core, "metallicRoughnessTexture", ImageContent::data);
     read_layers(extensions, layers, metallic.image != nullptr);
-    if (extensions.contains("KHR_materials_unlit")) {
+    if (is_unlit) {
       material.surface = DiffuseMaterial{{0, 0, 0}};
       material.emission = layers.base_color.value;
       material.emission_texture = base_texture;
@@ -109,11 +111,14 @@ class Materials {
     if (!result_.add_texture(at)) {
       if (at.set != result_.coordinates.set) {
         if (result_.second_set < 0) result_.second_set = at.set;
-        found = affine(at, found.image);
-        found.is_second = at.set == result_.second_set;
-        if (!found.is_second)
+        if (at.set == result_.second_set) {
+          found = affine(at, found.image);
+          found.is_second = true;
+        } else {
           warn("coordinates", "has textures at more than two sets of coordinates; the third is at those of the first");
-      } else if (!place(at, result_.coordinates, found))
+        }
+      }
+      if (!found.is_second && !place(at, result_.coordinates, found))
         warn("transform", "has a texture that is scaled to 0; the others have its coordinates, too");
       is_layered_ = true;
     }
@@ -279,7 +284,11 @@ class Materials {
       surface.clearcoat_normals = texture(coat, "clearcoatNormalTexture", ImageContent::data);
       surface.clearcoat_normal_scale = member(coat, "clearcoatNormalTexture").value("scale", 1.0);
       surface.has_coat_normals = surface.clearcoat_normals.image != result_.material.normal_map ||
-                                 surface.clearcoat_normal_scale != result_.material.normal_scale;
+                                 surface.clearcoat_normal_scale != result_.material.normal_scale ||
+                                 coordinates_of(member(coat, "clearcoatNormalTexture")) != place_of_normals_;
+      if (surface.clearcoat_normals.is_second)
+        warn("tangents of a coat",
+             "has a normal map of its clear coat at a second set of coordinates; it leans along those of the first");
     }
     const Json& sheen = member(extensions, "KHR_materials_sheen");
     if (const Vec3 tint = vector(sheen, "sheenColorFactor", {0, 0, 0}); max_component(tint) > 0) {
@@ -395,7 +404,8 @@ class Materials {
   const WarnOnce& warn_;
   std::string name_;
   FileMaterial result_;
-  bool is_layered_ = false;  // it is more than the core's model, or than clear glass
+  TextureCoordinates place_of_normals_;  // of the base, in the file
+  bool is_layered_ = false;              // it is more than the core's model, or than clear glass
   std::map<std::tuple<int, ImageContent, ImageSampling>, Texture> images_;
   std::map<std::pair<Texture, int>, Texture> channels_;
 };

@@ -340,7 +340,14 @@ class GltfReader {
     mesh.texture_coordinates = coordinates(attributes, materials_[material].coordinates.set, count);
     if (const int set = materials_[material].second_set; set >= 0) {
       mesh.second_coordinates = coordinates(attributes, set, count);
-      if (mesh.second_coordinates.empty()) mesh.second_coordinates.resize(count);
+      if (mesh.second_coordinates.empty()) {
+        reader_.warn(
+            "no coordinates of set " + std::to_string(set),
+            fmt::format("mesh \"{}\" has textures at TEXCOORD_{} but no such texture coordinates; the colour of "
+                        "their corner is used",
+                        mesh.name, set));
+        mesh.second_coordinates.resize(count);
+      }
     }
     if (attributes.contains("COLOR_0")) {
       warn_of_alpha(attributes, count, material, name);

@@ -1,6 +1,7 @@
 #include "holotrace/io/mesh/picture_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -49,9 +50,13 @@ LoadedModel load_picture(const PictureSource& source, double width, const Series
   LoadedModel model;
   DepthImage picture;
   const auto read = [&](const std::string& path, ImageContent content) {
-    const TimedImage image = load_image_at(path, time, content);
+    TimedImage image = load_image_at(path, time, content);
+    constexpr double same = 1e-3;
+    require(!image.end || !model.last_key || std::abs(*image.end - *model.last_key) <= same,
+            "{}: expected depths for as long as the pictures {}, {}, got {}; give as many of both, and series_fps", path,
+            source.file, format_time(*model.last_key), format_time(*image.end));
     if (image.end) model.last_key = image.end;
-    return image.image;
+    return std::move(image.image);
   };
   picture.picture = read(source.file, ImageContent::colour);
   if (source.depth.empty()) {

@@ -57,9 +57,8 @@ TimedImage load_image_at(const std::string& path, const SeriesTime& time, ImageC
   }
   check_file_exists(path, "a film");
   const FilmFacts film = read_film_facts(path);
-  const std::string png =
-      read_film_picture(path, film, number_at({time.seconds, film.fps, time.repeats}, film.pictures));
-  return {decode_image(png.data(), png.size(), path, content), double(film.pictures) / film.fps};
+  const std::string png = read_film_picture(path, film, film.number_at(time.seconds, time.repeats));
+  return {decode_image(png.data(), png.size(), path, content), film.end()};
 }
 
 bool is_series_name(const std::string& path) { return is_series(path) && !has_animation_ending(path); }

@@ -64,7 +64,7 @@ struct TimedImage {
 };
 
 /// The picture of a series (io/files/series.h) or of a film at a time, or a picture alone, as load_image reads it.
-/// @param time  of a series; a film has the rate of its file, and all its pictures are taken to be equally long
+/// @param time  of a series; the pictures of a film have the times of its file, from the first one on
 /// @throws Error  as load_image and file_at do; for a film without pictures, one that ffmpeg cannot read, with its message, and if no
 ///                ffmpeg is installed
 TimedImage load_image_at(const std::string& path, const SeriesTime& time, ImageContent content = ImageContent::colour);

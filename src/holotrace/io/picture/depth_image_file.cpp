@@ -40,12 +40,12 @@ DepthImage with_depth(Image picture, const std::string& picture_path, const Imag
             format_length(near), format_length(far));
   else
     require(near != far && std::isfinite(near) && std::isfinite(far),
-            "{}: expected two different depths of its white and black, got near {} and far {}; give --near and --far",
+            "{}: expected two different depths of its white and black, got near {} and far {}; give near and far",
             depth_path, format_length(near), format_length(far));
   require(
       scale == DepthScale::depth || near * far > 0,
       "{}: expected near and far on one side of the panel with the disparity, the inverse of the depth, got {} and {}; use "
-      "--depth-scale depth",
+      "the depth scale depth",
       depth_path, format_length(near), format_length(far));
   DepthImage image;
   image.picture = std::move(picture);

@@ -408,7 +408,8 @@ Job job_for_pictures(const std::string& path, const Slm& slm, const ModelParams&
   job.scene.meshes = std::move(picture.meshes);
   job.camera.distances = {distance};
   job.render.focus = distance;
-  choose_wavelengths(job, job.scene.materials.front().emission_texture->channels > 1);
+  const auto channels_of = [](const LoadedModel& shown) { return shown.materials.front().emission_texture->channels; };
+  choose_wavelengths(job, channels_of(load_picture({path}, 1, {0, params.series_fps})) > 1);
   check_scene(job.scene);
   return job;
 }

@@ -257,6 +257,7 @@ ModelParams edited(ModelParams model, const std::vector<SceneEdit>& edits) {
 std::vector<SceneValue> load_editable_values(const std::string& path) {
   if (is_model(path)) {
     const ModelParams model;
+    if (!is_mesh_file(path)) return {{{"fit", fmt::format("{}", model.fit)}, "model"}};
     return {{{"rotation", "y 0 deg"}, "model"}, {{"fit", fmt::format("{}", model.fit)}, "model"}};
   }
   std::vector<std::string> files, warnings;

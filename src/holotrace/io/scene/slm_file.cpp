@@ -14,10 +14,10 @@
 #include "holotrace/base/message_text.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/files/file.h"
+#include "holotrace/io/files/shipped_files.h"
 #include "holotrace/io/files/text.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/scene/toml_table.h"
-#include "holotrace/io/shipped_files.h"
 
 namespace holotrace {
 namespace {

@@ -85,7 +85,7 @@ Media::Media(const Scene& scene, const Lines& lines, uint64_t seed) : lines_(lin
                       grid_of(medium.temperature, 0)});
   }
   std::vector<BoundaryFace> faces;
-  for (const Boundary& boundary : boundaries_of(scene)) {
+  for (const MediumBoundary& boundary : boundaries_of(scene)) {
     const int region = int(regions_.size());
     int medium = boundary.medium;
     const Material* material = boundary.mesh ? &scene.materials[size_t(boundary.mesh->material)] : nullptr;

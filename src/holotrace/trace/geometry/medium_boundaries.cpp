@@ -105,8 +105,8 @@ Vec3 absorption_of(const Material& solid, const Lines& lines) {
   return {of(colour.x), of(colour.y), of(colour.z)};
 }
 
-std::vector<Boundary> boundaries_of(const Scene& scene) {
-  std::vector<Boundary> all;
+std::vector<MediumBoundary> boundaries_of(const Scene& scene) {
+  std::vector<MediumBoundary> all;
   for (size_t i = 0; i < scene.media.size(); ++i)
     if (const Box box = box_of(scene.media[i]); scene.media[i].is_open)
       all.push_back({int(i), box, nullptr, {}, float(volume_of(box))});
@@ -120,8 +120,9 @@ std::vector<Boundary> boundaries_of(const Scene& scene) {
     const auto volume = float(volume_of(mesh, welded));
     all.push_back({material.medium, {}, &mesh, std::move(welded), volume, is_empty});
   }
-  const auto rank = [](const Boundary& b) { return std::tuple(b.volume, !b.mesh, b.is_empty); };
-  std::stable_sort(all.begin(), all.end(), [&](const Boundary& a, const Boundary& b) { return rank(a) < rank(b); });
+  const auto rank = [](const MediumBoundary& b) { return std::tuple(b.volume, !b.mesh, b.is_empty); };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const MediumBoundary& a, const MediumBoundary& b) { return rank(a) < rank(b); });
   return all;
 }
 

@@ -19,7 +19,7 @@ struct Welded {
 };
 
 /// What a region is bounded by.
-struct Boundary {
+struct MediumBoundary {
   int medium;  // −1: empty
   Box box;     // without a mesh
   const Mesh* mesh = nullptr;
@@ -32,7 +32,7 @@ struct Boundary {
 /// before a box, and one with a medium before an empty one. Glass without a medium that is not closed bounds nothing.
 /// @throws Error, naming the medium and mesh, for a mesh around a medium that is not closed, or reaches through the plane of the
 ///         panel
-std::vector<Boundary> boundaries_of(const Scene& scene);
+std::vector<MediumBoundary> boundaries_of(const Scene& scene);
 
 /// Whether the solid of a mesh absorbs by itself. A medium in it takes the place of that.
 bool absorbs(const Material& material);

@@ -62,16 +62,23 @@ BrushedLoss make_brushed_loss(Vec2 alpha, int azimuths, int heights) {
 }  // namespace
 
 BrushedLossBetween brushed_loss(double roughness, double anisotropy) {
+  struct Kept {
+    std::once_flag once;
+    BrushedLoss table;
+  };
   static std::mutex mutex;
-  static std::map<std::pair<double, double>, BrushedLoss> known;
+  static std::map<std::pair<double, double>, Kept> known;
   const Vec2 alpha = brushed_alpha(roughness, anisotropy);
   const std::pair key(alpha.x, alpha.y);
   thread_local std::pair<std::pair<double, double>, const BrushedLoss*> last;  // paths often meet the same metal again
   if (!last.second || last.first != key) {
-    const std::lock_guard lock(mutex);
-    const auto [entry, is_new] = known.try_emplace(key);
-    if (is_new) entry->second = make_brushed_loss(alpha, 48, 48);
-    last = {key, &entry->second};
+    const auto entry_of_key = [&]() -> Kept& {
+      const std::lock_guard lock(mutex);
+      return known.try_emplace(key).first->second;
+    };
+    Kept& entry = entry_of_key();  // the lock is not held while a table is made
+    std::call_once(entry.once, [&] { entry.table = make_brushed_loss(alpha, 48, 48); });
+    last = {key, &entry.table};
   }
   return {{last.second}, {1}};
 }

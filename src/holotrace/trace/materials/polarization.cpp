@@ -201,27 +201,28 @@ PolarizationChange change(const PrincipledBsdf& b, Vec3 outgoing, Vec3 incoming,
   const PrincipledView view(b, outgoing);
   const Vec3 o = view.outgoing, i = to_local(view.frame, incoming), up{i.x, i.y, std::fabs(i.z)}, white{1, 1, 1};
   const bool is_transmission = i.z < 0, is_smooth = lobe == Lobe::specular;
-  const double other = is_smooth ? o.z : up.z;
-  const double sheen = std::fmin(b.through_sheen(o.z), b.through_sheen(other)),
-               layers = std::fmin(b.layers_here(o.z), b.layers_here(other));
+  const LayerCosines of_o = view.cosines(o), of_i = view.cosines(i);
+  const double sheen = std::fmin(b.through_sheen(of_o.base), b.through_sheen(of_i.base)),
+               layers = std::fmin(b.layers_here(of_o), b.layers_here(of_i));
   // The light that a layer of reflectance 1 sends on once, and the cosine at its microfacets.
   struct Facets {
     double cosine;
     Vec3 light;
   };
-  const auto once_by = [&](const auto& facets, double above) -> Facets {
-    if (is_smooth) return {o.z, white * above};
-    return {half_cosine(o, up), reflected_once(facets, o, up, [&](double) { return white; }) * above};
+  const auto once_by = [&](const auto& facets, Vec3 out, Vec3 in, double above) -> Facets {
+    if (is_smooth) return {out.z, white * above};
+    return {half_cosine(out, in), reflected_once(facets, out, in, [&](double) { return white; }) * above};
   };
   Vec3 once;
   if (!is_transmission && b.coat > 0 && !b.is_inside && b.is_coat_smooth() == is_smooth) {
-    const Facets coat = once_by(b.coat_facets, b.coat * sheen);
+    // The normals of microfacets are in the plane of both directions, so that s is the same in the frame of the coat.
+    const Facets coat = once_by(b.coat_facets, view.at_coat(o), view.at_coat(i), b.coat * sheen);
     const BoundaryReflectance boundary{.f0 = white * b.coat_f0, .multiple = {}};
     add_reflection(sum, boundary, coat.cosine, coat.light);
     once += boundary.at(coat.cosine) * coat.light;
   }
   if (b.is_base_smooth() == is_smooth) {
-    const Facets base = once_by(b.facets, layers);
+    const Facets base = once_by(b.facets, o, up, layers);
     if (is_transmission) {
       add_passage(sum, b.dielectric, base.cosine, b.through * base.light);
       once += b.through * (white - b.dielectric.at(base.cosine)) * base.light;
@@ -239,7 +240,7 @@ PolarizationChange change(const PrincipledBsdf& b, Vec3 outgoing, Vec3 incoming,
     } else {
       whole = between(b.solid, o, i).value - many_facets(b.solid, o, i).value;
     }
-    const double above = is_transmission ? b.through_layers(b.is_inside ? other : o.z) : layers;
+    const double above = is_transmission ? b.through_layers(b.is_inside ? of_i : of_o) : layers;
     const Vec3 light = (is_transmission ? b.tint : white) * (b.glass * above * whole);
     add_boundary(sum, b.solid, outgoing, incoming, light);
     once += light;

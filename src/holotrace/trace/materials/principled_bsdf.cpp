@@ -181,7 +181,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
     b.sent_on = lines.reflectance_of(share(colour_at(material.diffuse_transmission_color, point))) *
                 (below * (1 - clear) * sent);
   if (max_component(b.reflected + b.sent_on) > 0) {
-    const auto through = [&](double cosine) { return b.through_all(cosine); };
+    const auto through = [&](double cosine) { return b.through_all_turns(cosine); };
     const bool has_fringes = b.dielectric.film > 0 && b.is_base_smooth();
     const Vec3 mean = has_fringes ? hemisphere_mean_of_fringes(through) : hemisphere_mean(through);
     const Vec3 per_mean = for_lines([&](size_t line) { return part(mean, line) > 0 ? 1 / part(mean, line) : 0; });
@@ -207,7 +207,10 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
 SpecularBranches branches(const PrincipledBsdf& b, Vec3 outgoing) {
   SpecularBranches result;
   const Vec3 normal = facing_normal(b.normal, outgoing);
-  const double cosine = std::fmin(1, dot(outgoing, normal)), layers = b.layers_here(cosine);
+  const PrincipledView view(b, outgoing);
+  const double cosine = std::fmin(1, dot(outgoing, normal)), layers_out = b.layers_here(view.cosines(view.outgoing));
+  const Vec3 mirrored = reflect(outgoing, normal);
+  const double layers = std::fmin(layers_out, b.layers_here(view.cosines(view.local(mirrored))));
   const bool is_base_smooth = b.is_base_smooth(), is_glass_smooth = b.glass > 0 && b.solid.is_smooth();
   Vec3 reflected, phase{pi, pi, pi};
   const bool has_mirror_coat = b.coat > 0 && !b.is_inside && b.is_coat_smooth();
@@ -229,12 +232,12 @@ SpecularBranches branches(const PrincipledBsdf& b, Vec3 outgoing) {
     result.ways[size_t(result.count++)] = {direction, weight * squared_index_ratio, 1, Lobe::specular, is_transmission,
                                            turn,      squared_index_ratio};
   };
-  add(reflect(outgoing, normal), reflected, 1, false, phase);
+  add(mirrored, reflected, 1, false, phase);
   if (is_base_smooth && max_component(b.through) > 0)
-    add(-outgoing, b.through * (white - b.dielectric.at(cosine)) * layers, 1, true, {});
+    add(-outgoing, b.through * (white - b.dielectric.at(cosine)) * layers_out, 1, true, {});
   if (is_glass_smooth && of_glass < 1) {
     const Vec3 on = refract(outgoing, normal, b.solid.index);
-    const double outside = b.is_inside ? b.through_layers(std::fmin(1, std::fabs(dot(on, normal)))) : layers;
+    const double outside = b.is_inside ? b.through_layers(view.cosines(view.local(on))) : layers_out;
     add(on, b.tint * (b.glass * (1 - of_glass) * outside), 1 / (b.solid.index * b.solid.index), true, {});
   }
   return result;
@@ -272,7 +275,7 @@ std::optional<BsdfSample> specular_way(const PrincipledBsdf& b, const Principled
 std::optional<BsdfSample> sample(const PrincipledBsdf& b, Vec3 outgoing, double u_lobe, Vec2 u) {
   const PrincipledView view(b, outgoing);
   const Vec3 o = view.outgoing;
-  const PrincipledChoice choice = choose(b, o.z);
+  const PrincipledChoice choice = choose(b, view.cosines(o));
   size_t drawn = 0;
   double from = 0;
   for (size_t k = 0; k < choice.of.size(); ++k) {

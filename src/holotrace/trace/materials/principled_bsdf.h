@@ -62,6 +62,11 @@ struct BoundaryReflectance {
   }
 };
 
+/// Cosines of a direction to the normals of the base and of the coat, 0 or more.
+struct LayerCosines {
+  double base = 1, coat = 1;
+};
+
 /// A surface of layers (PrincipledMaterial). From the top, with S, C and B the fractions of light that sheen, coat and the
 /// boundary of the dielectric transmit (1 less their albedo) and T = S·C·B:
 ///
@@ -82,7 +87,7 @@ struct BoundaryReflectance {
 /// two factors in min() differ by, of a rough metal and of light that leaves a solid.
 /// Emission is on top of all layers.
 ///
-/// A coat may have normals of its own: what is below sees it as if it had those of the base.
+/// A coat may have normals of its own: C is then that of the angle to them.
 ///
 /// As lobes: diffuse and sheen are D, rough coat, base and glass are G, smooth ones S.
 struct PrincipledBsdf {
@@ -132,14 +137,26 @@ struct PrincipledBsdf {
     const auto albedo = coat_albedo(cosine);
     return coat * (albedo.reflected(coat_f0) + coat_facets.multiple.x * coat_mean_loss * albedo.loss);
   }
-  double through_layers(double cosine) const { return through_sheen(cosine) * (1 - reflected_by_coat(cosine)); }
+  double through_layers(LayerCosines at) const { return through_sheen(at.base) * (1 - reflected_by_coat(at.coat)); }
 
   /// The same on the side of the path.
-  double layers_here(double cosine) const { return is_inside ? 1 : through_layers(cosine); }
+  double layers_here(LayerCosines at) const { return is_inside ? 1 : through_layers(at); }
 
   /// T.
-  Vec3 through_all(double cosine) const {
-    return (Vec3{1, 1, 1} - albedo_of(dielectric, cosine)) * layers_here(cosine);
+  Vec3 through_all(LayerCosines at) const { return (Vec3{1, 1, 1} - albedo_of(dielectric, at.base)) * layers_here(at); }
+
+  /// The mean of T over the turns about the normal; exact for a smooth coat, whose T is a polynomial of degree 5 in cosφ.
+  Vec3 through_all_turns(double cosine) const {
+    if (coat == 0 || is_inside || length(coat_normal) == 0) return through_all({cosine, cosine});
+    constexpr int turns = 8;
+    const double along = dot(normal, coat_normal);
+    const double across = std::sqrt(std::fmax(0, (1 - along * along) * (1 - cosine * cosine)));
+    double layers = 0;
+    for (int k = 0; k < turns; ++k) {
+      const double of_coat = along * cosine + across * std::cos(pi * (k + 0.5) / turns);
+      layers += through_layers({cosine, std::fmin(1, std::fabs(of_coat))}) / turns;
+    }
+    return (Vec3{1, 1, 1} - albedo_of(dielectric, cosine)) * layers;
   }
 
   Vec3 reflectance(double cosine) const {
@@ -168,14 +185,20 @@ struct PrincipledView : ShadingView {
 
   std::optional<Frame> coat{};  ///< of a coat with normals of its own, in this frame
 
+  // Of a local direction; to the normal that the coat reflects about, which faces the viewer.
+  LayerCosines cosines(Vec3 v) const {
+    const double base = std::fmin(1, std::fabs(v.z));
+    return {base, coat ? std::fmin(1, std::fabs(dot(coat->z, v))) : base};
+  }
   Vec3 at_coat(Vec3 v) const { return coat ? to_local(*coat, v) : v; }
   Vec3 from_coat(Vec3 v) const { return coat ? transform_vector(*coat, v) : v; }
 };
 
-inline PrincipledChoice choose(const PrincipledBsdf& b, double cosine) {
+inline PrincipledChoice choose(const PrincipledBsdf& b, LayerCosines at) {
   PrincipledChoice choice;
+  const double cosine = at.base;
   const auto set = [&](PrincipledPart part, double albedo) { choice.of[size_t(part)] = albedo; };
-  const double layers = b.layers_here(cosine), coat = b.is_inside ? 0 : b.reflected_by_coat(cosine);
+  const double layers = b.layers_here(at), coat = b.is_inside ? 0 : b.reflected_by_coat(at.coat);
   const MicrofacetAlbedo::Value albedo = b.base_albedo(cosine);
   const Vec3 of_dielectric = b.albedo_of(b.dielectric, cosine), below = Vec3{1, 1, 1} - of_dielectric;
   const double multiple = max_component(b.facets.multiple) * b.mean_loss * albedo.loss;
@@ -196,7 +219,7 @@ inline PrincipledChoice choose(const PrincipledBsdf& b, double cosine) {
   for (double& part : choice.of) part /= sum;
   if (base > 0) choice.multiple = std::fmin(0.9, multiple / base);
   if (coat > 0) {
-    const auto facets = b.coat_albedo(cosine);
+    const auto facets = b.coat_albedo(at.coat);
     choice.coat_multiple = b.coat * b.coat_facets.multiple.x * b.coat_mean_loss * facets.loss / coat;
   }
   return choice;
@@ -222,6 +245,7 @@ inline PrincipledLight between(const PrincipledBsdf& b, const PrincipledChoice& 
   const Vec3 o = view.outgoing;
   const bool is_through = i.z < 0;
   const Vec3 up{i.x, i.y, std::fabs(i.z)};
+  const LayerCosines of_o = view.cosines(o), of_i = view.cosines(i);
   const auto add = [&](PrincipledPart part, Vec3 value, double pdf) {
     light.value += value;
     light.pdf += choice[part] * pdf;
@@ -232,16 +256,16 @@ inline PrincipledLight between(const PrincipledBsdf& b, const PrincipledChoice& 
     const Vec3 all = is_through ? b.diffuse_through : b.diffuse;
     if (max_component(all) > 0)
       add(is_through ? PrincipledPart::through : PrincipledPart::diffuse,
-          all * b.through_all(o.z) * b.through_all(up.z) * cosine_pdf, cosine_pdf);
+          all * b.through_all(of_o) * b.through_all(of_i) * cosine_pdf, cosine_pdf);
     if (b.brightest_sheen > 0 && !b.is_inside && !is_through)
       add(PrincipledPart::sheen, b.sheen_colour * b.sheen.eval(o, i), 1 / (2 * pi));
     return light;
   }
   if (lobe != Lobe::glossy) return light;
-  const double layers = std::fmin(b.layers_here(o.z), b.layers_here(up.z));
+  const double layers = std::fmin(b.layers_here(of_o), b.layers_here(of_i));
   if (b.glass > 0 && !b.solid.is_smooth()) {
     const RoughBoundary whole = between(b.solid, o, i);
-    const double outside = is_through ? b.through_layers(b.is_inside ? up.z : o.z) : layers;
+    const double outside = is_through ? b.through_layers(b.is_inside ? of_i : of_o) : layers;
     add(PrincipledPart::solid, (is_through ? b.tint : Vec3{1, 1, 1}) * (b.glass * outside * whole.value), whole.pdf);
   }
   if (!is_through && b.coat > 0 && !b.is_inside && !b.is_coat_smooth())
@@ -274,7 +298,7 @@ inline PrincipledLight between(const PrincipledBsdf& b, Vec3 outgoing, Vec3 inco
   const PrincipledView view(b, outgoing);
   const Vec3 i = to_local(view.frame, incoming);
   if (i.z == 0 || (dot(b.geometric_normal, incoming) > 0) != (i.z > 0)) return {};
-  return between(b, has_pdf ? choose(b, view.outgoing.z) : PrincipledChoice{}, view, i, lobe);
+  return between(b, has_pdf ? choose(b, view.cosines(view.outgoing)) : PrincipledChoice{}, view, i, lobe);
 }
 
 inline Vec3 eval(const PrincipledBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lobe) {

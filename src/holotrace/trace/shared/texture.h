@@ -35,9 +35,11 @@ auto between_texels(const Image& image, Vec2 uv, const Texel& texel) {
     if (edge != ImageEdge::repeat) return std::clamp(index, 0, count - 1);
     return index < 0 ? index + count : index < count ? index : index - count;
   };
-  double x = fold(uv.x, image.sampling.edge_u) * image.nx - 0.5,
-         y = (1 - fold(uv.y, image.sampling.edge_v)) * image.ny - 0.5;
-  if (image.sampling.is_stepped) x = floor_of(x + 0.5), y = floor_of(y + 0.5);
+  const double across = fold(uv.x, image.sampling.edge_u) * image.nx,
+               down = (1 - fold(uv.y, image.sampling.edge_v)) * image.ny;
+  if (image.sampling.is_stepped)  // the far border, and roundings to it, are of the last pixel
+    return texel(std::min(int(down), image.ny - 1), std::min(int(across), image.nx - 1));
+  const double x = across - 0.5, y = down - 0.5;
   const double left = floor_of(x), top = floor_of(y), s = x - left, t = y - top;
   const int column = wrap(left, image.nx, image.sampling.edge_u),
             next_column = wrap(left + 1, image.nx, image.sampling.edge_u);

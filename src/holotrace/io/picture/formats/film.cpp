@@ -72,23 +72,39 @@ std::string ask_of_film(const std::string& path, const std::vector<std::string>&
 
 FilmFacts read_film_facts(const std::string& path) {
   std::istringstream lines(ask_of_film(
-      path, {"ffprobe", "-v", "error", "-select_streams", "v:0", "-count_packets", "-show_entries",
-             "stream=avg_frame_rate,nb_read_packets", "-of", "default=noprint_wrappers=1", "file:" + path}));
+      path, {"ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
+             "packet=pts_time,dts_time:format=start_time", "-of", "default=noprint_wrappers=1", "file:" + path}));
   FilmFacts film;
+  bool has_time = false;  // of the last packet; some formats only have that of decoding
   for (std::string line; std::getline(lines, line);) {
-    unsigned long long count = 0, seconds = 0;
-    if (std::sscanf(line.c_str(), "nb_read_packets=%llu", &count) == 1) film.pictures = size_t(count);
-    if (std::sscanf(line.c_str(), "avg_frame_rate=%llu/%llu", &count, &seconds) == 2 && seconds > 0)
-      film.fps = double(count) / double(seconds);
+    double seconds = 0;
+    const auto is = [&](const char* what) { return std::sscanf(line.c_str(), what, &seconds) == 1; };
+    if (line.starts_with("pts_time=")) has_time = is("pts_time=%lf");
+    if (has_time ? line.starts_with("pts_time=") : is("dts_time=%lf")) film.times.push_back(seconds);
+    if (is("start_time=%lf")) film.start = seconds;
   }
-  require(film.pictures > 0 && film.fps > 0, "{}: expected a film with pictures, got one without; convert it", path);
+  require(!film.times.empty(), "{}: expected a film with pictures, got one without; convert it", path);
+  std::sort(film.times.begin(), film.times.end());
   return film;
+}
+
+double FilmFacts::end() const {
+  const double seconds = times.back() - times.front();
+  return times.size() > 1 ? seconds * double(times.size()) / double(times.size() - 1) : 0;
+}
+
+size_t FilmFacts::number_at(double seconds, bool repeats) const {
+  if (repeats && end() > 0) seconds -= std::floor(seconds / end()) * end();
+  constexpr double rounding = 2e-6;  // of times that ffprobe prints
+  const auto after = std::upper_bound(times.begin(), times.end(), times.front() + seconds + rounding);
+  return size_t(std::max<std::ptrdiff_t>(after - times.begin(), 1) - 1);
 }
 
 std::string read_film_picture(const std::string& path, const FilmFacts& film, size_t number) {
   std::vector<std::string> words{"ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error"};
   const auto add = [&](std::initializer_list<std::string> some) { words.insert(words.end(), some); };
-  if (number > 0) add({"-ss", fmt::format("{:.6f}", (double(number) - 0.5) / film.fps)});  // the first picture after it
+  if (number > 0)  // the first picture after the middle between it and the one before
+    add({"-ss", fmt::format("{:.6f}", (film.times[number - 1] + film.times[number]) / 2 - film.start)});
   add({"-i", "file:" + path, "-map", "0:v:0", "-frames:v", "1", "-sws_flags", "accurate_rnd+full_chroma_int"});
   add({"-c:v", "png", "-f", "image2pipe", "pipe:1"});
   return ask_of_film(path, words);

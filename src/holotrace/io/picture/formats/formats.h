@@ -148,8 +148,14 @@ void check_film(const std::string& path);
 
 /// What a film says of its pictures.
 struct FilmFacts {
-  size_t pictures = 0;  ///< at least one
-  double fps = 0;       ///< their number per second, in the mean
+  std::vector<double> times;  ///< of its pictures, ascending [s]; at least one
+  double start = 0;           ///< of the file, from which its programs count, on the same clock [s]
+
+  /// The time after which no picture follows, from the first one on; the last is as long as the others in the mean [s].
+  double end() const;
+
+  /// The picture that is shown a time after the first one.
+  size_t number_at(double seconds, bool repeats) const;
 };
 
 /// The pictures of the first video stream of a film, by the program ffprobe. @throws Error if ffprobe is not installed, or finds none

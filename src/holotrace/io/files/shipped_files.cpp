@@ -1,4 +1,4 @@
-#include "holotrace/io/shipped_files.h"
+#include "holotrace/io/files/shipped_files.h"
 
 #include <dlfcn.h>
 
