@@ -53,8 +53,8 @@ LoadedModel load_picture(const PictureSource& source, double width, const Series
     TimedImage image = load_image_at(path, time, content);
     constexpr double same = 1e-3;
     require(!image.end || !model.last_key || std::abs(*image.end - *model.last_key) <= same,
-            "{}: expected depths for as long as the pictures {}, {}, got {}; give as many of both, and series_fps", path,
-            source.file, format_time(*model.last_key), format_time(*image.end));
+            "{}: expected depths for as long as the pictures {}, {}, got {}; give as many of both, and series_fps",
+            path, source.file, format_time(*model.last_key), format_time(*image.end));
     if (image.end) model.last_key = image.end;
     return std::move(image.image);
   };
