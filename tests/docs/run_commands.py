@@ -61,7 +61,6 @@ SHORTER = [
     (r"run MODEL.glb", "run MODEL.glb --planes 1 --iterations 1 --paths 2"),
     (r"animate MODEL.glb", "animate MODEL.glb --planes 1 --iterations 1 --paths 2"),
     (r"--columns 32768 --rows 32768", "--columns 1024 --rows 1024"),
-    (r"examples -o examples", "examples -o copies"),  # those here are shortened
     (r"--target-columns 1600 --target-rows 880", "--target-columns 200 --target-rows 110 --resample true --iterations 3"),
     (r"--target-columns 1000 --target-rows 500", "--target-columns 200 --target-rows 110"),
     (r"--frames 4 --iterations", "--frames 2 --iterations"),
