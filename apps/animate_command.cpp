@@ -94,10 +94,6 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
     check_time_of_film(first, first, plan.from_last);
     if (plan.from_last) plan.walk = walk_through(measured_places(first, plan.times), first);
     if (first.tracked) plan.job_at(plan.times.back());  // a track that ends before is an error at once
-    if (plan.times.size() > 1 && !last_change(first) && !first.tracked && !global.is_quiet)
-      say("warning: nothing in {} changes with time, so all {} pictures are alike; give keys over time, an animated model, or an "
-          "--eye-track\n",
-          printable(o->scene), plan.times.size());
     // Ranks share the times, or the frames of times that depend on each other.
     Ranks& ranks = *global.ranks;
     const size_t count = plan.times.size();
@@ -108,6 +104,11 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
       report_times(ranks, make_times(o->folder, plan, own));
       return;
     }
+    if (plan.times.size() > 1 && !last_change(first) && !first.tracked)
+      say_warnings({fmt::format(
+          "nothing in {} changes with time, so all {} pictures are alike; give keys over time, an animated model, "
+          "or an --eye-track",
+          printable(o->scene), plan.times.size())});
     const std::vector<std::string> films = film_paths(o->folder, plan.format);
     if (has_animation_ending(films.front())) check_animation(films.front(), plan.fps);
     make_folder(o->folder);

@@ -205,7 +205,7 @@ void print_chosen(const std::vector<Chosen>& chosen) {
   std::fflush(stdout);
 }
 
-void print_summary(const Report& report, const std::string& folder, const FileRecord& files) {
+void print_summary(const Report& report, const std::string& folder, const FileRecord& files, bool is_draft) {
   double total = 0;
   for (const StageReport& stage : report.stages) {
     std::vector<std::string> texts;
@@ -221,7 +221,7 @@ void print_summary(const Report& report, const std::string& folder, const FileRe
     fmt::print("{}: {}\n{}", view.name, view.nearness, view.light.empty() ? "" : "    " + view.light + "\n");
   double least = good_psnr;
   for (const StageReport& stage : report.stages) least = std::min(least, number_of(stage, "psnr_db").value_or(least));
-  if (least < good_psnr) fmt::print("for a better picture: --quality good, or more --frames\n");
+  if (is_draft && least < good_psnr) fmt::print("for a better picture: --quality good, or more --frames\n");
   std::vector<std::string> names{"report.json"};
   for (const auto& [name, bytes] : files) names.push_back(name);
   std::sort(names.begin(), names.end());

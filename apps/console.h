@@ -74,6 +74,6 @@ void print_chosen(const std::vector<Chosen>& chosen);
 
 /// Prints what a run did: a line per stage with its seconds and its main figures, its views in words, and the files that it
 /// wrote.
-void print_summary(const Report& report, const std::string& folder, const FileRecord& files);
+void print_summary(const Report& report, const std::string& folder, const FileRecord& files, bool is_draft);
 
 }  // namespace holotrace

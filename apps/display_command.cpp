@@ -113,11 +113,12 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
                                            files, holograms.size())
                              : "");
       const int levels = holograms.front().levels;
-      if (!global.is_quiet && levels < 256 && (levels & (levels - 1)) != 0 && extension_of(o->output) != ".csv")
+      const bool are_spread = (levels & (levels - 1)) != 0 && has_image_ending(o->output);
+      if (!global.is_quiet && are_spread && !o->panel.are_given())
         fmt::print(
-            "levels 0 to {} are spread over the greys 0 to 255; for a panel whose greys are its levels, write them as .csv, or "
+            "levels 0 to {} are spread over the greys 0 to {}; for a panel whose greys are its levels, write them as .csv, or "
             "give the maker's table by --lut\n",
-            levels - 1);
+            levels - 1, levels > 256 ? 65535 : 255);
       return;
     }
     const std::vector<PanelImage> images = o->panel.images(holograms, "", warnings_on_terminal());

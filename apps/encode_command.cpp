@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -78,8 +79,9 @@ std::string command_to_see(const std::string& output, size_t holograms, const Gr
 void print_effects_left_out(const Slm& slm, const EncodeParams& params) {
   if (params.method != Encoding::sgd || !params.effects.empty()) return;
   std::vector<std::string> left;
+  const std::vector<std::string> allowed = effects_of(known_panel(slm, params));
   for (const std::string& name : slm.own_effects)
-    if (name == "crosstalk" || name == "gaps" || name == "dead-pixels") left.push_back(name);
+    if (name != "flicker" && std::find(allowed.begin(), allowed.end(), name) == allowed.end()) left.push_back(name);
   if (!left.empty())
     fmt::print("the levels do not allow for the panel's {}; --effects all does, and takes longer\n",
                fmt::join(left, ", "));

@@ -115,7 +115,10 @@ void add_run(CLI::App& app, const GlobalFlags& global) {
     const SavedRun saved = save_run(o->folder, results, job, console.stages(), defer_interrupts);
     console.finish();
     say_warnings(saved.notes);
-    if (!global.is_quiet) print_summary(results.report, o->folder, saved.files);
+    if (!global.is_quiet) {
+      const bool is_draft = aims_at_scene(job) && job.encode.quality == Quality::draft;
+      print_summary(results.report, o->folder, saved.files, is_draft);
+    }
     checkpoints.remove();
   });
 }

@@ -88,7 +88,10 @@ TEST(FirstSteps, APupilBesideTheLightIsAWarning) {
   const Workplace work;
   work.write("m.obj", square);
   work.write("p.toml", panel_file);
-  succeed(work, quick_run({}));
+  const Outcome run = work.run(quick_run({}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const std::string advice = "for a better picture: --quality good, or more --frames";
+  EXPECT_NE(run.out.find(advice), std::string::npos) << run.out;
   expect_words(work, {"show", "out/hologram.png", "--eye", "0 0 250 mm", "--pupil", "1 mm", "-o", "v.png"},
                "found for all light that leaves the panel");
   succeed(work, {"show", "out/hologram.png", "-o", "v.png"});
@@ -152,6 +155,26 @@ TEST(FirstSteps, APictureIsEncodedByIterations) {
   EXPECT_EQ(nlohmann::json::parse(succeed(work, {"info", "h.png", "--json"})).at("encoder"), "sgd");
 }
 
+// Effects of a panel of one's own that its levels do not allow for, and levels whose greys are others.
+TEST(FirstSteps, EffectsThatLevelsLeaveOutAreNamed) {
+  const Workplace work;
+  work.write("p.toml", std::string(panel_file) +
+                           "levels = 208\ncrosstalk = 0.2\naberration = [{ n = 2, m = 2, rms = \"0.5 rad\" }]\n");
+  save_grey(work.path("picture.png"), 24, 32);
+  const std::vector<std::string> encode{
+      "encode", "picture.png",  "--slm", "p.toml", "--wavelength", "532 nm", "--target-distances",
+      "8 mm",   "--iterations", "2",     "-o",     "h.png"};
+  const std::string said = succeed(work, encode);
+  EXPECT_NE(said.find("the levels do not allow for the panel's crosstalk; --effects all does"), std::string::npos)
+      << said;
+  std::vector<std::string> with_all = encode;
+  with_all.insert(with_all.end(), {"--effects", "all"});
+  EXPECT_EQ(succeed(work, with_all).find("do not allow for"), std::string::npos);
+  const std::string greys = "levels 0 to 207 are spread over the greys 0 to 255";
+  EXPECT_NE(succeed(work, {"display", "h.png", "-o", "h.bmp"}).find(greys), std::string::npos);
+  EXPECT_EQ(succeed(work, {"display", "h.png", "-o", "h.csv"}).find(greys), std::string::npos);
+}
+
 TEST(FirstSteps, APanelSaysWhichEffectsAreOn) {
   const Workplace work;
   work.write("p.toml", std::string(panel_file) + "crosstalk = 0.2\n");
@@ -162,7 +185,7 @@ TEST(FirstSteps, APanelSaysWhichEffectsAreOn) {
   EXPECT_EQ(effects("pluto"), "off; turn them on with --effects all");
   expect_error(work, {"info", "--slm", "p"}, {"unknown SLM \"p\"; did you mean the panel file \"p.toml\"?"});
   work.write("wide.toml", "columns = 32\nrows = 24\npitch = \"8 mm\"\n");
-  expect_error(work, {"info", "--slm", "wide.toml"}, {"pixels are at most 1 mm wide, got 8 mm; pixels of 8 um?"});
+  expect_error(work, {"info", "--slm", "wide.toml"}, {"pixels are at most 1 mm wide, got 8 mm; did you mean 8 um?"});
 }
 
 TEST(FirstSteps, AFilmOfWhatRestsIsAWarning) {

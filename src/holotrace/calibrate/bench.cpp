@@ -127,8 +127,8 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// Of the finest fringe, between the light of opposite borders of the panel. Pixels of a camera are interpolated between them: with
-// fewer, or with samples on the panel's own pixels, a fit can end at a crosstalk that is a tenth too small.
+// Of the finest fringe, between the light of opposite borders of the panel. Pixels of a camera are interpolated between them.
+// With samples on the panel's own pixels, a fit ended at a crosstalk that was a tenth too small.
 constexpr double samples_per_fringe = 4;
 constexpr double least_crosstalk = 0.02;  // [pixels]: no effect below
 

@@ -166,8 +166,8 @@ void check_slm(const Slm& slm) {
   check_grid(slm.grid);
   constexpr double largest_pixel = 1e-3;
   require(slm.grid.pitch <= largest_pixel,
-          "expected a panel whose pixels are at most {} wide, got {}; pixels of {:g} um?", format_length(largest_pixel),
-          format_length(slm.grid.pitch), slm.grid.pitch * 1e3);
+          "expected a panel whose pixels are at most {} wide, got {}; did you mean {:g} um?",
+          format_length(largest_pixel), format_length(slm.grid.pitch), slm.grid.pitch * 1e3);
   require(slm.levels >= 2 && slm.levels <= 65536, "expected 2 to 65536 levels, got {}", slm.levels);
   const bool is_square = slm.fill_x == 0 && slm.fill_y == 0;
   const bool has_both = slm.fill_x > 0 && slm.fill_x <= 1 && slm.fill_y > 0 && slm.fill_y <= 1;

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "holotrace/io/files/series.h"
+#include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/mesh/picture_mesh.h"
 #include "holotrace/io/picture/animation.h"
 #include "holotrace/io/picture/formats/formats.h"
@@ -39,13 +41,19 @@ Image bar(int column, int channels = 3) {
 
 // File k is there from k/fps on; times k/fps are not exact in binary: 0.29 · 100 is below 29.
 TEST(Series, AFileIsThereFromItsTimeOn) {
-  EXPECT_EQ(number_at({0.7, 10}, 20), 7U);
-  EXPECT_EQ(number_at({0.29, 100}, 99), 29U);
-  EXPECT_EQ(number_at({0.69, 10}, 20), 6U);
-  EXPECT_EQ(number_at({-3, 10}, 20), 0U);
-  EXPECT_EQ(number_at({99, 10}, 20), 19U);
-  EXPECT_EQ(number_at({99.95, 10, true}, 20), 19U);  // 999 = 49·20 + 19
-  EXPECT_EQ(number_at({-0.05, 10, true}, 20), 19U);
+  std::string folder;
+  for (int k = 0; k < 99; ++k)
+    folder = std::filesystem::path(make_file(fmt::format("k_{:02}.txt", k), "")).parent_path();
+  const auto number_at = [&](const SeriesTime& time) {
+    return std::stoi(std::filesystem::path(file_at(folder + "/k_##.txt", time).path).stem().string().substr(2));
+  };
+  EXPECT_EQ(number_at({0.7, 10}), 7);
+  EXPECT_EQ(number_at({0.29, 100}), 29);
+  EXPECT_EQ(number_at({0.69, 10}), 6);
+  EXPECT_EQ(number_at({-3, 10}), 0);
+  EXPECT_EQ(number_at({999, 10}), 98);
+  EXPECT_EQ(number_at({99.95, 10, true}), 9);  // 999 = 10·99 + 9
+  EXPECT_EQ(number_at({-0.05, 10, true}), 98);
 }
 
 TEST(Series, BeginsAtAnyNumberAndHasNoGap) {
@@ -65,12 +73,12 @@ TEST(Series, BeginsAtAnyNumberAndHasNoGap) {
       folder + "/n_##.txt: expected files with a number in place of the #, such as " + folder + "/n_01.txt, got none");
 }
 
-// Triangle k has its corner at x = k.
 // A file of that very name is no series: scenes and models may have # in their names.
 TEST(Series, AFileOfThatNameGoesFirst) {
-  const std::string path = make_file("my##scene.toml", "");
+  const std::string path = make_file("part##2.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(file_at(path, {1, 2}).path, path);
   EXPECT_FALSE(file_at(path, {1, 2}).end);
+  EXPECT_EQ(load_meshes(path).meshes.size(), 1U);
 }
 
 // A picture is shown from its own time to that of the next one, on a clock that begins with the first; the last is as long as the others
@@ -88,6 +96,7 @@ TEST(Films, PicturesHaveTheirOwnTimes) {
   EXPECT_EQ((FilmFacts{{0}, 0}.end()), 0);
 }
 
+// Triangle k has its corner at x = k.
 TEST(Series, MeshesAreAnAnimation) {
   std::string folder;
   for (int k = 1; k <= 3; ++k) {

@@ -47,6 +47,13 @@ std::vector<uint64_t> numbers_of_series(const std::string& path) {
   return numbers;
 }
 
+size_t number_at(const SeriesTime& time, size_t count) {
+  constexpr double rounding = 1e-6;  // of times i/fps
+  double number = std::floor(time.seconds * time.fps + rounding);
+  if (time.repeats) number -= std::floor(number / double(count)) * double(count);
+  return size_t(std::clamp(number, 0.0, double(count) - 1));
+}
+
 }  // namespace
 
 bool is_series(const std::string& path) { return digits_in(path).second >= fewest_digits; }
@@ -54,13 +61,6 @@ bool is_series(const std::string& path) { return digits_in(path).second >= fewes
 std::string path_in_series(const std::string& path, uint64_t number) {
   const auto [first, count] = digits_in(path);
   return path.substr(0, first) + fmt::format("{:0{}}", number, count) + path.substr(first + count);
-}
-
-size_t number_at(const SeriesTime& time, size_t count) {
-  constexpr double rounding = 1e-6;  // of times i/fps
-  double number = std::floor(time.seconds * time.fps + rounding);
-  if (time.repeats) number -= std::floor(number / double(count)) * double(count);
-  return size_t(std::clamp(number, 0.0, double(count) - 1));
 }
 
 SeriesFile file_at(const std::string& path, const SeriesTime& time) {

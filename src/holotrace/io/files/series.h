@@ -20,16 +20,13 @@ struct SeriesTime {
   bool repeats = false;  ///< whether it begins again at its end; else the last one stays
 };
 
-/// The number, from 0, of the one of `count` pictures that is shown at a time: ⌊seconds·fps⌋. Before the first it is the first.
-size_t number_at(const SeriesTime& time, size_t count);
-
 /// A file of a series.
 struct SeriesFile {
   std::string path;
   std::optional<double> end{};  ///< of the series: its number of files / fps [s]; nothing if it is none
 };
 
-/// The file of a series that is there at a time; other paths, and a file of that very name, as they are. Numbers begin anywhere.
+/// The file of a series that is there at a time, number ⌊seconds·fps⌋ from 0, before the first one the first; other paths, and a file of that very name, as they are. Numbers begin anywhere.
 /// @throws Error  if no file has such a name, and naming the first one that is missing between others
 SeriesFile file_at(const std::string& path, const SeriesTime& time);
 

@@ -49,8 +49,7 @@ void scale_absorption(double factor, Material& material) {
 }
 
 LoadedModel load_meshes(const std::string& path, Outside outside, const PoseTime& at) {
-  if (is_series(path)) {
-    const SeriesFile file = file_at(path, {at.seconds, at.series_fps, at.repeats});
+  if (const SeriesFile file = file_at(path, {at.seconds, at.series_fps, at.repeats}); file.end) {
     LoadedModel model = load_meshes(file.path, outside, at);
     require(!model.last_key, "{}: expected a series of models at rest, got an animation; use one or the other",
             file.path);

@@ -91,7 +91,8 @@ const ModelCamera& camera_named(const std::string& name, const std::string& path
   const auto& cameras = model.cameras;
   for (size_t i = 0; i < cameras.size(); ++i)
     if (name == std::to_string(i + 1)) return cameras[i];
-  require(!names.empty(), "{}: expected a file with cameras for the camera \"{}\", got one without", path, name);
+  require(!names.empty(),
+          "{}: expected a file with cameras for the camera \"{}\", got one without; leave the camera out", path, name);
   throw Error(path + ": " + unknown_name_message("camera", name, names));
 }
 

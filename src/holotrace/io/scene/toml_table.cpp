@@ -392,7 +392,7 @@ std::vector<TomlTable> TomlTable::tables(const char* key) {
   for (const toml::node& item : *items) {
     if (!item.is_table()) fail_kind(key, expected.c_str(), item);
     found.push_back(
-        inner(*item.as_table(), fmt::format(fmt::runtime(arrays_ ? "[{}[{}]]" : "[[{}]]"), key, found.size())));
+        inner(*item.as_table(), arrays_ ? fmt::format("[{}[{}]]", key, found.size()) : fmt::format("[[{}]]", key)));
   }
   return found;
 }
