@@ -98,7 +98,7 @@ TEST(FitPanel, FindsCrosstalkAndTheBlurOfTheLens) {
 // The panel of docs/how_to/calibrate_a_panel.md in small: a straight curve to 400° and astigmatism. With samples of the simulation on
 // the panel's own pixels the crosstalk was a tenth too small.
 TEST(FitPanel, FindsThePanelOfItsPage) {
-  constexpr double turn = 400 * degree;
+  constexpr double turn = 400 * pi / 180;
   const CalibrationPlan plan{0.05,
                              make_test_patterns(assumed_panel(side, side), bench_wavelength, 0.05,
                                                 {.measured_levels = 9, .level_patterns = 6, .focus_patterns = 1})};
