@@ -418,5 +418,48 @@ TEST(Accelerator, AMaskHasSharpEdges) {
   }
 }
 
+// A wall of 8 × 8 squares, each open, closed or of opacity 0.3, as a texture that repeats twice each way: open ones stop no ray, closed
+// ones all, and the others 0.3·n ± 4·√(0.21·n), or all or none if that is asked for.
+TEST(Accelerator, ATextureStopsTheRaysThatItsOpacitySays) {
+  constexpr std::array squares{0.F, 1.F, 0.3F, 1.F, 1.F, 0.F, 0.F, 0.3F, 0.3F, 0.3F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.3F};
+  constexpr int side = 16;  // of a square in texels
+  auto picture = std::make_shared<Image>(4 * side, 4 * side, 1);
+  for (int j = 0; j < 4 * side; ++j)
+    for (int i = 0; i < 4 * side; ++i) (*picture)(j, i) = squares[size_t(4 * (j / side) + i / side)];
+  picture->sampling.is_stepped = true;
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  scene.materials[0].opacity_texture = picture;
+  scene.meshes = {make_wall(-0.3, 10_mm, 10_mm)};
+  for (Vec2& uv : scene.meshes[0].texture_coordinates) uv = uv * 2;
+  for (const Acceleration kind : {Acceleration::embree, Acceleration::grid}) {
+    const Accelerator accelerator(scene, kind);
+    CounterRandom random(8, 0, 0);
+    int between = 0, stopped = 0;
+    for (int n = 0; n < 4000; ++n) {
+      const double u = 8 * random.uniform(), v = 8 * random.uniform();                         // in squares
+      if (std::abs(u - std::round(u)) < 1e-3 || std::abs(v - std::round(v)) < 1e-3) continue;  // rounding decides
+      const Ray ray{{}, normalize({(u - 4) * 2.5_mm, (v - 4) * 2.5_mm, -0.3})};
+      const double opacity = double(squares[size_t(4 * (3 - int(v) % 4) + int(u) % 4)]);
+      const auto stops = [&](Veils veils) { return accelerator.closest_hit(ray, Aim::exact, veils).has_value(); };
+      EXPECT_EQ(stops({Veils::Kind::met}), opacity > 0);
+      EXPECT_EQ(stops({Veils::Kind::passed}), opacity == 1);
+      const auto hit = accelerator.closest_hit(ray);
+      EXPECT_EQ(accelerator.is_occluded(ray, 1), hit.has_value());
+      if (hit) {
+        EXPECT_NEAR(hit->point.uv.x, u / 4, 1e-6);  // of Embree's single precision
+        EXPECT_NEAR(hit->point.uv.y, v / 4, 1e-6);
+      }
+      if (opacity == 0 || opacity == 1) {
+        EXPECT_EQ(hit.has_value(), opacity == 1);
+      } else {
+        ++between;
+        stopped += hit.has_value();
+      }
+    }
+    EXPECT_NEAR(stopped, 0.3 * between, 4 * std::sqrt(0.21 * between));
+  }
+}
+
 }  // namespace
 }  // namespace holotrace

@@ -237,7 +237,7 @@ void describe(Visitor&& v, EncodeParams& p) {
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
       "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 30, 32; good: 8, 16, 70, 128; best: 16, 24, "
-      "200, 256; auto: draft; with draft, good or best the method is sgd"));
+      "200, 256; targets that are denoised take an eighth of the paths; auto: draft; with draft, good or best the method is sgd"));
   v(lengths("target_distances", p.target_distances, range::any,
             "iterations: distances of the target planes from the panel"));
   v(lengths("eye", p.eye, range::any,

@@ -16,6 +16,7 @@
 #include "holotrace/trace/geometry/few_triangles.h"
 #include "holotrace/trace/geometry/light_surfaces.h"
 #include "holotrace/trace/geometry/media.h"
+#include "holotrace/trace/geometry/opacity_maps.h"
 #include "holotrace/trace/geometry/ray_packet.h"
 #include "holotrace/trace/geometry/uniform_grid.h"
 #include "holotrace/trace/shared/texture.h"
@@ -92,6 +93,7 @@ struct Accelerator::Implementation {
     bool is_even;         // nothing differs from place to place on a triangle
     bool has_openings;    // rays may go through it
     std::vector<TrianglePlane> planes;
+    OpacityMaps openings{};
   };
 
   const Scene& scene;
@@ -123,6 +125,16 @@ struct Accelerator::Implementation {
           {&lamp.mesh, -1, lamp.light, false, false, false, true, false, planes_of(lamp.mesh, precision)});
   }
 
+  /// One material after the other: its sums take as much memory as its texture.
+  void map_openings() {
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+      if (!scene.materials[i].opacity_texture) continue;
+      const OpacitySums sums(scene.materials[i]);
+      for (Surface& surface : surfaces)
+        if (surface.material == int(i)) surface.openings = OpacityMaps(*surface.mesh, sums);
+    }
+  }
+
   RTCScene tree_for(Aim aim) const { return aim == Aim::random && split ? split.get() : watertight.get(); }
 
   /// Whether several rays are traced together, which takes as long for two rays as for all.
@@ -134,8 +146,13 @@ struct Accelerator::Implementation {
   bool lets_through(const Ray& ray, const GridHit& found, Veils veils) const {
     const Surface& surface = surfaces[found.mesh];
     if (!surface.has_openings) return false;
-    const Vec2 uv =
-        surface.is_textured ? coordinates_in(surface.mesh->texture_coordinates, *surface.mesh, found) : Vec2{};
+    Vec2 uv{};
+    if (!surface.openings.empty()) {
+      const OpacityMap& map = surface.openings[found.triangle];
+      const Passage passage = map.at(found.b1, found.b2);
+      if (passage != Passage::depends) return passage == Passage::all;
+      uv = map.coordinates_at(found.b1, found.b2);
+    }
     const double opacity = opacity_at(scene.materials[size_t(surface.material)], uv);
     if (opacity <= 0 || opacity >= 1) return opacity <= 0;
     if (veils.kind != Veils::Kind::drawn) return veils.kind == Veils::Kind::passed && found.mesh != veils.but;
@@ -308,9 +325,7 @@ struct Accelerator::Implementation {
 
   static Vec2 coordinates_in(const std::vector<Vec2>& of_mesh, const Mesh& mesh, const GridHit& found) {
     const auto [i, j, k] = mesh.triangles[found.triangle];
-    const Vec2 p = of_mesh[i], q = of_mesh[j], r = of_mesh[k];
-    const double b1 = found.b1, b2 = found.b2, b0 = 1 - b1 - b2;
-    return {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
+    return between_corners(of_mesh[i], of_mesh[j], of_mesh[k], found.b1, found.b2);
   }
 
   static void add_tangents(const Mesh& mesh, uint32_t triangle, SurfacePoint& point) {
@@ -335,7 +350,8 @@ struct Accelerator::Implementation {
         point.normal = smooth * (std::copysign(1.0, dot(smooth, point.geometric_normal)) / std::sqrt(squared));
     }
     if (surface.is_textured) {
-      point.uv = coordinates_in(mesh.texture_coordinates, mesh, found);
+      point.uv = surface.openings.empty() ? coordinates_in(mesh.texture_coordinates, mesh, found)
+                                          : surface.openings[found.triangle].coordinates_at(found.b1, found.b2);
       if (!mesh.second_coordinates.empty()) point.second_uv = coordinates_in(mesh.second_coordinates, mesh, found);
       if (surface.needs_tangents) add_tangents(mesh, found.triangle, point);
     }
@@ -389,6 +405,7 @@ Accelerator::Accelerator(const Scene& scene, Acceleration kind, const Lines& lin
   for (const Mesh& mesh : scene.meshes)
     for (const Vec3& p : mesh.positions) front_ = std::max(front_, p.z);
   self.list_surfaces();
+  self.map_openings();
   const std::vector<double> lifts = light_lifts(scene, precision_);
   for (size_t i = 0; i < lifts.size(); ++i) lifts_[size_t(self.lamps[i].light)] = lifts[i];
   if (kind == Acceleration::grid) {

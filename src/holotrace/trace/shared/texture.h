@@ -26,6 +26,12 @@ inline double fold(double u, ImageEdge edge) {
   return rest > 1 ? 2 - rest : rest;
 }
 
+/// Texture coordinates at the barycentric coordinates (1 − b1 − b2, b1, b2) between those of a triangle's corners.
+inline Vec2 between_corners(Vec2 p, Vec2 q, Vec2 r, double b1, double b2) {
+  const double b0 = 1 - b1 - b2;
+  return {p.x * b0 + q.x * b1 + r.x * b2, p.y * b0 + q.y * b1 + r.y * b2};
+}
+
 /// texel(row, column) of an image between pixel centres at (u, v), bilinear or stepped. v is up: row 0 of the image is the top,
 /// v = 1; beyond [0, 1] is what Image::sampling says.
 template <class Texel>
