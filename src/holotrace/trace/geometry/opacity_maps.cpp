@@ -137,6 +137,8 @@ OpacityMaps::OpacityMaps(const Mesh& mesh, const OpacitySums& sums) {
     if (is_new) different.push_back(corners);
     numbers.push_back(number->second);
   }
+  constexpr size_t most = 1'000'000;  // triangles that differ: 120 MB
+  if (different.size() > most) return;
   maps_.resize(different.size());
   const auto make = [&](int64_t n) { maps_[size_t(n)] = OpacityMap(different[size_t(n)], sums); };
   parallel_for(0, int64_t(maps_.size()), make);

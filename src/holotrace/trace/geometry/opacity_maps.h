@@ -76,7 +76,7 @@ class OpacityMap {
 
 /// The maps of the triangles of a mesh. Triangles of the same texture coordinates share one, and the numbers of maps are stored in as
 /// few bits as they need: those of a tree whose leaves are alike stay in the cache. Memory: some 120 bytes for each map, 350 for one of
-/// 32 × 32 parts, and at most 4 for each triangle.
+/// 32 × 32 parts, and at most 4 for each triangle. A mesh of more than a million different ones has no maps.
 class OpacityMaps {
  public:
   OpacityMaps() = default;
