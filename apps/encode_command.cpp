@@ -31,8 +31,9 @@
 namespace holotrace {
 namespace {
 
+// A picture that is resampled sets the size of its target.
 EncodeJob job_of_picture_file(const std::string& path, const Slm& slm, const std::vector<double>& wavelengths,
-                              EncodeParams params, Console& console) {
+                              EncodeParams& params, Console& console) {
   require(
       !is_hologram_file(path),
       "expected a field or a picture to encode, got the hologram {0}; holotrace display {0} -o p.bmp writes it in another "

@@ -20,9 +20,7 @@ FRAMES = (1, 2, 4, 8)
 EYES = {"-1.5": "x = −1.5 mm", "0": "x = 0", "1.5": "x = 1.5 mm"}
 SIZE = (480, 270)
 MATERIALS = {
-    "layered_surfaces": ("Layers", "Above, from the left: lacquer, velvet, brushed metal, a thin film on metal; below: glass that absorbs, glass that is clear in half, a soap bubble, a paper lamp shade."),
     "light_shafts": ("Fog, milk and skin", "A lamp shines through a grille into fog. Waves start at its particles, and inside of the milk (left) and the skin."),
-    "candle": ("Fire", "The flame is soot that glows by its temperature. A ball of glass stands before it, a wall behind it."),
     "sunset_optimised": ("A low sun", "The sky and its sun are infinitely far away: they are blurred where the view is sharp on the gate, then on the ball."),
 }
 

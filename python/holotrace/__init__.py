@@ -2,8 +2,8 @@
 
     import holotrace as ht
 
-    field = ht.Field(array, pitch="8 um", wavelength="632.8 nm")
-    hologram = ht.encode(ht.propagate(field, "-150 mm"))
+    field = ht.Field(array, pitch="8 um", wavelength="632.8 nm", z="-150 mm")
+    hologram = ht.encode(ht.propagate(field, "150 mm"))
 
 Lengths are metres, or texts with a unit; wavelengths also names of lights. Arrays have the shape (ny, nx), row 0 on top. ``ht.Error`` is what the
 program reports, in the same words.

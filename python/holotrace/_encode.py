@@ -69,6 +69,8 @@ def _encode(
         else:
             if wavelength is not None:
                 raise _core.Error("expected a wavelength only with a picture or a focal stack; a field has its own")
+            if params.get("target_distances") is not None and not isinstance(target, Noun) and not fields:
+                raise _core.Error('a picture has no wavelength; give its wavelength, such as "532 nm"')
             given = [target] if isinstance(target, Noun) or not isinstance(target, Sequence) else target
             single = [a(Field, one, "to encode").as_single() for one in given]
             device = None if slm is None else panel(slm)._core

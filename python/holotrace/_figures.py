@@ -32,7 +32,8 @@ def compare(reference: Union[Image, Field], other: Union[Image, Field]) -> Dict[
     if isinstance(reference, Field) and isinstance(other, Field):
         return dict(_core.compare_fields(reference._core.as_double(), other._core.as_double()))
     raise _core.Error(
-        f"expected two images or two fields to compare, got {type(reference).__name__} and {type(other).__name__}"
+        f"expected two images or two fields to compare, got {type(reference).__name__} and {type(other).__name__}; "
+        "a picture in an array becomes one by ht.Image(array)"
     )
 
 

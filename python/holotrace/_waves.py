@@ -39,6 +39,8 @@ def a(kind: Type[Noun], given: Any, what: str) -> Any:
         raise _core.Error(f"expected a Scene {what}, got {type(given).__name__}; make one with ht.Scene(tables)")
     is_array = kind is Field and not isinstance(given, Noun)
     hint = "; make one with ht.Field(array, pitch=..., wavelength=...)" if is_array else ""
+    if kind.__name__ == "Sources" and not isinstance(given, Noun):
+        hint = "; make one with ht.Sources(positions, wavelength=...)"
     if isinstance(given, (str, os.PathLike)) and kind.__name__ in ("Scene", "Hologram", "Field", "Image"):
         hint = f"; read one with ht.load_{kind.__name__.lower()}(path)"
     raise _core.Error(f"expected a {kind.__name__} {what}, got {type(given).__name__}{hint}")

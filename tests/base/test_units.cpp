@@ -64,6 +64,8 @@ TEST(Units, ErrorsSayWhatWasExpected) {
             "expected a length in one of the units nm, um, µm, mm, cm, m, got \"300 inch\"");
   EXPECT_EQ(error_of([] { parse_length("far"); }), "expected a length with its unit, such as \"300 mm\", got \"far\"");
   EXPECT_EQ(error_of([] { parse_length(""); }), "expected a length with its unit, such as \"300 mm\", got \"\"");
+  EXPECT_EQ(error_of([] { parse_length("5 nanometers"); }),
+            "expected a length in one of the units nm, um, µm, mm, cm, m, got \"5 nanometers\"");
   EXPECT_EQ(error_of([] { parse_length("nan m"); }), "expected a length that is finite, got \"nan m\"");
   EXPECT_EQ(error_of([] { parse_length("inf m"); }), "expected a length that is finite, got \"inf m\"");
   EXPECT_EQ(parse_length("1000000 m"), most_length);

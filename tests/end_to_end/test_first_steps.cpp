@@ -153,6 +153,18 @@ TEST(FirstSteps, APictureIsEncodedByIterations) {
                                           "--target-distances", "8 mm", "--iterations", "2", "-o", "h.png"});
   EXPECT_NE(said.find("to see the picture: holotrace show h.png"), std::string::npos) << said;
   EXPECT_EQ(nlohmann::json::parse(succeed(work, {"info", "h.png", "--json"})).at("encoder"), "sgd");
+
+  save_grey(work.path("flat.png"), 10, 20);  // becomes 16 x 32 pixels of 8 um
+  std::vector<std::string> encode{
+      "encode", "flat.png", "--slm", "p.toml",     "--wavelength", "532 nm", "--target-distances",
+      "8 mm",   "-o",       "h.png", "--resample", "--method"};
+  encode.push_back("double-phase");
+  const std::string scaled = succeed(work, encode);
+  EXPECT_NE(scaled.find("--width \"256 µm\" --height \"128 µm\""), std::string::npos) << scaled;
+  encode.back() = "phase";
+  expect_words(work, encode, "the phases alone of a picture's light show its edges");
+  encode.insert(encode.end(), {"--start", "random"});
+  EXPECT_EQ(work.run(encode).err.find("edges"), std::string::npos);
 }
 
 // Effects of a panel of one's own that its levels do not allow for, and levels whose greys are others.

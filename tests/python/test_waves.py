@@ -160,6 +160,12 @@ def test_an_unknown_parameter_names_the_nearest(field):
 
 
 def test_a_wrong_noun_is_named():
+    with pytest.raises(ht.Error, match=r"expected a Sources to sum, got ndarray; make one with ht.Sources\("):
+        ht.synthesize(np.zeros((3, 3)))
+    with pytest.raises(ht.Error, match=r"two images or two fields .* ndarray; a picture in an array becomes one by ht.Image"):
+        ht.compare(np.ones((4, 4)), np.ones((4, 4)))
+    with pytest.raises(ht.Error, match="a picture has no wavelength; give its wavelength"):
+        ht.encode(np.ones((4, 4)), target_distances="200 mm")
     with pytest.raises(ht.Error, match=r"expected a Field to propagate, got ndarray; make one with ht.Field\("):
         ht.propagate(random_samples((4, 4)), 0.1)
 

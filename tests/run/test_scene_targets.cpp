@@ -407,6 +407,21 @@ TEST(Eyes, ViewsAreDrawnInTheBoxAndHaveTheLightOfTheirPupil) {
   EXPECT_LE(highest, 0.5e-3 + 2e-3 / 12);
 }
 
+// The camera's pupil is to overlap with one in the eyebox of 0.2 mm: within 0.1 + 0.5 mm of the eye.
+TEST(Eyes, BesideTheOneOfTheCameraAreAWarning) {
+  Job job = squares_for_an_eye();
+  job.encode.iterations = 1;
+  const auto warning_from = [&](double x) {
+    job.camera.eye.x = x;
+    Heard heard;
+    trace_targets(job, heard.observer());
+    return heard.warnings.empty() ? "" : heard.warnings.front();
+  };
+  EXPECT_EQ(warning_from(1e-4 + 0.55e-3), "");
+  EXPECT_TRUE(warning_from(1e-4 + 0.65e-3).starts_with("the camera's eye at 750 µm, -50 µm is beside the eyebox"))
+      << warning_from(1e-4 + 0.65e-3);
+}
+
 TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
   Job job = squares_for_an_eye();
   job.encode.iterations = 60;

@@ -37,9 +37,12 @@ void skip_spaces(std::string_view& rest) {
   while (!rest.empty() && is_space(rest.front())) rest.remove_prefix(1);
 }
 
+// "nan" and "inf" are numbers, but "nanometers" is a unit.
 bool read_number(std::string_view& rest, double& number) {
   std::string_view digits = rest;
   if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  if (digits.size() > 3 && is_letter(digits[0]) && is_letter(digits[3])) return false;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   if (error != std::errc()) return false;
   rest = std::string_view(end, size_t(digits.data() + digits.size() - end));

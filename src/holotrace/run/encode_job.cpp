@@ -61,6 +61,11 @@ EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector
           "expected one target distance for a picture and this method, got {}; give "
           "one, or use sgd or gerchberg-saxton, which take several",
           params.target_distances.size());
+  const bool has_even_phase = params.start == StartPhase::field && !params.target_distances.empty();
+  if (params.method == Encoding::phase && has_even_phase)
+    observer.warn(
+        "the phases alone of a picture's light show its edges, and its even parts are dark; use the method sgd, "
+        "gerchberg-saxton or double-phase");
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
   job.distances = params.target_distances;
   for (const double wavelength : wavelengths) {

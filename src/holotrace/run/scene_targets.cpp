@@ -204,6 +204,19 @@ void warn_of_focus_beside(const Job& job, const Observer& observer) {
       format_length(job.camera.distances.front()), format_length(nearest), format_length(farthest)));
 }
 
+void warn_of_eye_beside(const Job& job, const Observer& observer) {
+  if (job.camera.pupil == 0 || job.tracked || job.camera.sweep != Sweep::none) return;
+  const Eyebox box = eyebox_of(job.encode);
+  const double pupil = pupil_of(job.encode);
+  const Vec3& seen = job.camera.eye;
+  for (const Vec3& eye : eyes_of(job.encode))
+    if (std::abs(seen.x - eye.x) < box.width / 2 + pupil && std::abs(seen.y - eye.y) < box.height / 2 + pupil) return;
+  observer.warn(fmt::format(
+      "the camera's eye at {}, {} is beside the eyebox of the eyes in [encode], so the light is not meant for it; give [encode] eye the "
+      "same place",
+      format_length(seen.x), format_length(seen.y)));
+}
+
 double shared_wavelength(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
 
 // Side of the panel's part that a place p of a plane at distance d sees: |a − p| ≤ reach.
@@ -332,6 +345,7 @@ SceneTargets trace_targets(const Job& job, const Observer& observer, const Targe
   targets.distances = is_kept ? reuse.earlier->distances : target_distances_of(job, eye_z);
   warn_of_sparse_planes(job, observer);
   if (!is_kept) warn_of_focus_beside(job, observer);
+  if (aims_at_eyes(job)) warn_of_eye_beside(job, observer);
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
     for (const double distance : distances)
       require(distance != 0,
