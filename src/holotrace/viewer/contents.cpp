@@ -1,5 +1,7 @@
 #include "holotrace/viewer/contents.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -127,15 +129,15 @@ void add_folder(const std::string& folder, const ContentsParams& params, Content
   add_holograms(run.holograms, params, contents);
   if (run.holograms.empty() && !run.field.empty()) add_fields(run.field, params, contents);
   if (run.holograms.empty() && contents.items.empty() && contents.problems.empty()) {
-    std::string runs;
+    std::set<std::string> runs;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error))
-      if (is_file((entry.path() / run_hologram).string())) runs += (runs.empty() ? "" : ", ") + entry.path().string();
+      if (is_file((entry.path() / run_hologram).string())) runs.insert(entry.path().string());
     contents.problems.push_back(
-        runs.empty()
-            ? "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
-              "holotrace run has written them"
-            : fmt::format("this folder holds runs, whose holograms holotrace view shows one by one: {}", runs));
+        runs.empty() ? "this folder has no hologram.png and no field.npy yet; the page shows them as soon as "
+                       "holotrace run has written them"
+                     : fmt::format("this folder holds runs, whose holograms holotrace view shows one by one: {}",
+                                   fmt::join(runs, ", ")));
   }
   contents.points = points_in_space(load_series_of_sources(run.points, contents.problems));
   for (const std::string& view : run.views)

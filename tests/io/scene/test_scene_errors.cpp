@@ -132,6 +132,8 @@ TEST(SceneFileErrors, ABareNumberIsNoLength) {
       "3:21: expected an angle with its unit, such as \"15 deg\", for \"reference_angle_x\", got the bare number 1");
   EXPECT_EQ(error_with("[[object]]\ntype = \"sphere\"\nsize = \"1 mm\"\nposition = \"0 -300 mm\"\n"),
             "5:12: expected three lengths for \"position\", such as \"0 0 -300 mm\", got 2");
+  EXPECT_EQ(error_with("[[object]]\ntype = \"box\"\nsize = \"3 mm\"\nposition = \"0 0 -300 mm\"\n"),
+            "4:8: expected three lengths for \"size\", such as \"3 3 3 mm\", got 1");
 }
 
 TEST(SceneFileErrors, NumbersThatAreNotFiniteAreRefused) {

@@ -14,8 +14,9 @@ namespace holotrace {
 
 Vec3 TomlTable::read_vector(const char* key, const toml::node& node) const {
   const std::vector<double> values = read_lengths(key, node);
-  require(values.size() == 3, "{}expected three lengths for \"{}\", such as \"0 0 -300 mm\", got {}",
-          place(node.source()), key, values.size());
+  const char* example = std::string_view(key) == "size" ? "3 3 3 mm" : "0 0 -300 mm";
+  require(values.size() == 3, "{}expected three lengths for \"{}\", such as \"{}\", got {}", place(node.source()), key,
+          example, values.size());
   return {values[0], values[1], values[2]};
 }
 
