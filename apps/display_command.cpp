@@ -16,6 +16,7 @@
 #include "holotrace/io/mesh/mesh_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/io/picture/panel_image_file.h"
+#include "holotrace/io/run_folder.h"
 #include "monitor.h"
 #include "panel_image_flags.h"
 
