@@ -119,7 +119,7 @@ void add_display_command(CLI::App& app, const GlobalFlags& global) {
         fmt::print(
             "levels 0 to {} are spread over the greys 0 to {}; for a panel whose greys are its levels, write them as .csv, or "
             "give the maker's table by --lut\n",
-            levels - 1, levels > 256 ? 65535 : 255);
+            levels - 1, (1 << grey_bits(levels)) - 1);
       return;
     }
     const std::vector<PanelImage> images = o->panel.images(holograms, "", warnings_on_terminal());

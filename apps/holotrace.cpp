@@ -65,7 +65,6 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error, int argc, ch
 int after_output(int exit_code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
-  if (errno == EPIPE) return exit_code;  // a reader such as head has what it wants
   return report_error(fmt::format("expected to write the standard output, got \"{}\"; make room where it goes",
                                   std::strerror(errno != 0 ? errno : EIO)));
 }

@@ -54,7 +54,8 @@ def _encode(
     if isinstance(target, (str, os.PathLike)):
         raise _core.Error(f"expected a field, a picture or a focal stack to encode, got a path; read it with ht.load_image({os.fspath(target)!r})")
     fields = isinstance(target, (list, tuple)) and any(isinstance(one, Noun) for one in target)
-    if wavelength is not None and not isinstance(target, Noun) and not fields:
+    is_for_pictures = wavelength is not None or params.get("target_distances") is not None
+    if is_for_pictures and not isinstance(target, Noun) and not fields:
         target = Image(array_of(target, "a target picture"))
     with watching(progress, level=5) as watch:
         if isinstance(target, (Image, FocalStack)):
@@ -69,8 +70,6 @@ def _encode(
         else:
             if wavelength is not None:
                 raise _core.Error("expected a wavelength only with a picture or a focal stack; a field has its own")
-            if params.get("target_distances") is not None and not isinstance(target, Noun) and not fields:
-                raise _core.Error('a picture has no wavelength; give its wavelength, such as "532 nm"')
             given = [target] if isinstance(target, Noun) or not isinstance(target, Sequence) else target
             single = [a(Field, one, "to encode").as_single() for one in given]
             device = None if slm is None else panel(slm)._core

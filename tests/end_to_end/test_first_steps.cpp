@@ -162,7 +162,7 @@ TEST(FirstSteps, APictureIsEncodedByIterations) {
   const std::string scaled = succeed(work, encode);
   EXPECT_NE(scaled.find("--width \"256 µm\" --height \"128 µm\""), std::string::npos) << scaled;
   encode.back() = "phase";
-  expect_words(work, encode, "the phases alone of a picture's light show its edges");
+  expect_words(work, encode, "the method phase shows only the edges of a picture");
   encode.insert(encode.end(), {"--start", "random"});
   EXPECT_EQ(work.run(encode).err.find("edges"), std::string::npos);
 }

@@ -64,7 +64,7 @@ EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector
   const bool has_even_phase = params.start == StartPhase::field && !params.target_distances.empty();
   if (params.method == Encoding::phase && has_even_phase)
     observer.warn(
-        "the phases alone of a picture's light show its edges, and its even parts are dark; use the method sgd, "
+        "the method phase shows only the edges of a picture, because it leaves out the modulus of its light; use sgd, "
         "gerchberg-saxton or double-phase");
   EncodeJob job{.wavelengths = wavelengths, .targets = {}, .fields = {}};
   job.distances = params.target_distances;

@@ -204,6 +204,7 @@ void warn_of_focus_beside(const Job& job, const Observer& observer) {
       format_length(job.camera.distances.front()), format_length(nearest), format_length(farthest)));
 }
 
+// An eye beside the eyebox sees little of the light.
 void warn_of_eye_beside(const Job& job, const Observer& observer) {
   if (job.camera.pupil == 0 || job.tracked || job.camera.sweep != Sweep::none) return;
   const Eyebox box = eyebox_of(job.encode);
@@ -212,8 +213,7 @@ void warn_of_eye_beside(const Job& job, const Observer& observer) {
   for (const Vec3& eye : eyes_of(job.encode))
     if (std::abs(seen.x - eye.x) < box.width / 2 + pupil && std::abs(seen.y - eye.y) < box.height / 2 + pupil) return;
   observer.warn(fmt::format(
-      "the camera's eye at {}, {} is beside the eyebox of the eyes in [encode], so the light is not meant for it; give [encode] eye the "
-      "same place",
+      "the camera's eye at {}, {} is beside the eyebox, so it sees little of the holograms' light; give [encode] eye the same place",
       format_length(seen.x), format_length(seen.y)));
 }
 

@@ -418,6 +418,34 @@ TEST(Accelerator, AMaskHasSharpEdges) {
   }
 }
 
+// A mesh of more than a million triangles that differ has no maps: its texture is asked at each place. The left half is open.
+TEST(Accelerator, ATextureOnVeryManyTrianglesStopsTheSameRays) {
+  constexpr uint32_t side = 708;
+  Scene scene;
+  scene.materials = {grey(0.5)};
+  auto picture = std::make_shared<Image>(1, 2, 1);
+  (*picture)(0, 1) = 1;
+  picture->sampling.is_stepped = true;
+  scene.materials[0].opacity_texture = picture;
+  Mesh& mesh = scene.meshes.emplace_back();
+  for (uint32_t j = 0; j <= side; ++j)
+    for (uint32_t i = 0; i <= side; ++i) {
+      const double u = double(i) / side, v = double(j) / side;
+      mesh.positions.push_back({(u - 0.5) * 20_mm, (v - 0.5) * 20_mm, -0.3});
+      mesh.texture_coordinates.push_back({u, v});
+    }
+  for (uint32_t j = 0; j < side; ++j)
+    for (uint32_t i = 0; i < side; ++i) {
+      const uint32_t k = j * (side + 1) + i, above = k + side + 1;
+      mesh.triangles.push_back({k, k + 1, above + 1});
+      mesh.triangles.push_back({k, above + 1, above});
+    }
+  ASSERT_GT(mesh.triangles.size(), 1'000'000U);
+  const Accelerator accelerator(scene);
+  for (const double x : {-9_mm, -1_mm, 1_mm, 9_mm})
+    EXPECT_EQ(accelerator.closest_hit({{x, 1_mm, 0}, {0, 0, -1}}).has_value(), x > 0) << x;
+}
+
 // A wall of 8 × 8 squares, each open, closed or of opacity 0.3, as a texture that repeats twice each way: open ones stop no ray, closed
 // ones all, and the others 0.3·n ± 4·√(0.21·n), or all or none if that is asked for.
 TEST(Accelerator, ATextureStopsTheRaysThatItsOpacitySays) {

@@ -26,7 +26,8 @@ struct SeriesFile {
   std::optional<double> end{};  ///< of the series: its number of files / fps [s]; nothing if it is none
 };
 
-/// The file of a series that is there at a time, number ⌊seconds·fps⌋ from 0, before the first one the first; other paths, and a file of that very name, as they are. Numbers begin anywhere.
+/// The file of a series at a time: number ⌊seconds·fps⌋, counted from 0, or the first one before time 0. Numbers in names begin anywhere.
+/// A path that is no series, and a file that has that very name, are returned as they are.
 /// @throws Error  if no file has such a name, and naming the first one that is missing between others
 SeriesFile file_at(const std::string& path, const SeriesTime& time);
 

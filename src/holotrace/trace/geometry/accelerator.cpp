@@ -152,6 +152,8 @@ struct Accelerator::Implementation {
       const Passage passage = map.at(found.b1, found.b2);
       if (passage != Passage::depends) return passage == Passage::all;
       uv = map.coordinates_at(found.b1, found.b2);
+    } else if (surface.is_textured) {
+      uv = coordinates_in(surface.mesh->texture_coordinates, *surface.mesh, found);
     }
     const double opacity = opacity_at(scene.materials[size_t(surface.material)], uv);
     if (opacity <= 0 || opacity >= 1) return opacity <= 0;
