@@ -459,6 +459,20 @@ TEST(Session, ReadsAFolderAgainOnceARunHasWrittenIt) {
   EXPECT_EQ(session.refresh(), 2);
 }
 
+TEST(Session, NamesTheRunsOfAFilmInTheirOrder) {
+  const std::string folder = temporary("film");
+  std::string runs;
+  for (int time = 9; time > 0; --time) {
+    const std::string run = folder + "/t_000" + std::to_string(time);
+    std::filesystem::create_directories(run);
+    write_text(run + "/hologram.png", "");
+    runs = run + (runs.empty() ? "" : ", " + runs);
+  }
+  const Json problems = Json::parse(Session({folder}).describe())["problems"];
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_TRUE(problems[0].get<std::string>().ends_with(": " + runs)) << problems[0];
+}
+
 // A link that another user or an archive puts into a folder does not show other files to everybody who sees the page.
 TEST(Session, DoesNotFollowLinksOutOfAFolder) {
   namespace fs = std::filesystem;
