@@ -130,6 +130,23 @@ TEST(LowDiscrepancy, ANewSequenceStartsAtPathZero) {
   for (int i = 0; i < 8; ++i) EXPECT_EQ(fresh.two(), started.two());
 }
 
+// Each run of `count` paths, across blocks, has each stratum once; the first path of a sample has each as often.
+TEST(LowDiscrepancy, PathsTakeStrataInTurnFromARandomOneOn) {
+  std::array<int, 3> of_first{};
+  for (uint64_t sample = 0; sample < 3000; ++sample) {
+    LowDiscrepancy sequence(1, 0, sample);
+    sequence.start(0);
+    const int first = sequence.stratum(3, 0);
+    ++of_first[size_t(first)];
+    for (uint32_t path = 0; path < 40; ++path) {
+      sequence.start(path);
+      EXPECT_EQ(sequence.stratum(3, sequence.path_of_block()), (first + int(path)) % 3) << path;
+    }
+    EXPECT_EQ(sequence.dimension(), 0);
+  }
+  for (const int count : of_first) EXPECT_NEAR(count, 1000, 4 * std::sqrt(3000 * 2.0 / 9)) << "4 standard deviations";
+}
+
 TEST(LowDiscrepancy, SeedFrameSampleAndPathEachChangeTheNumbers) {
   const Vec2 first = LowDiscrepancy(1, 0, 0).two();
   EXPECT_NE(first, LowDiscrepancy(2, 0, 0).two());

@@ -43,7 +43,7 @@ Bsdf make(const ConductorMaterial& material, const SurfacePoint& point, const Li
 }
 
 Bsdf make(const DielectricMaterial& material, const SurfacePoint& point, const Lines& lines) {
-  const double n = index_at(material.index, lines.wavelengths[0]).real(), roughness = clip(material.roughness);
+  const double n = index_at(material.index, lines.hero_wavelength()).real(), roughness = clip(material.roughness);
   return make_dielectric_bsdf(point.normal, point.geometric_normal, point.is_front || material.is_thin ? n : 1 / n,
                               roughness * roughness, material.is_thin);
 }
@@ -141,6 +141,11 @@ const RefractiveIndex* solid_index(const Material& material) {
     return glass->is_thin ? nullptr : &glass->index;
   const auto* layers = std::get_if<PrincipledMaterial>(&material.surface);
   return layers && layers->transmission.value > 0 && !layers->is_thin ? &layers->index : nullptr;
+}
+
+bool is_dispersive(const Material& material) {
+  const RefractiveIndex* index = solid_index(material);
+  return index && is_dispersive(*index);
 }
 
 const Material& material_at(const Scene& scene, const SurfacePoint& point) {

@@ -192,7 +192,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   if (is_solid) {
     b.glass = below * clear;
     b.tint = colour;
-    const double n = index_at(material.index, lines.wavelengths[0]).real();
+    const double n = index_at(material.index, lines.hero_wavelength()).real();
     b.solid = make_dielectric_bsdf(b.normal, b.geometric_normal, point.is_front ? n : 1 / n,
                                    alpha_of_solid(material, roughness), false);
   } else {

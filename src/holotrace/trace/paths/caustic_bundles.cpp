@@ -62,7 +62,8 @@ std::optional<Hit> closest_hit_behind_lamps(const PathScene& scene, Ray ray, con
 /// Follows all branches of a ray of a lamp. Calls land(landing) where one reaches a surface that scatters, or leaves. In a scene
 /// with media that scatter, each part of the way lands, as far as they reach.
 template <class Land>
-void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& is_cut, const Land& land) {
+void follow_all(const PathScene& scene, const Lines& lines, const LightWay& way, size_t most, bool& is_cut,
+                const Land& land) {
   std::vector<Vec3> before;
   const double reach = scene.accelerator.reach_of_particles();
   if (reach > 0) before.push_back(way.ray.origin);
@@ -83,7 +84,7 @@ void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& 
   }
   const Material& material = scene.scene.materials[size_t(hit->point.material)];
   const SurfacePoint point = shading_point(material, hit->point);
-  const Bsdf bsdf = make_bsdf(material, point, scene.lines);
+  const Bsdf bsdf = make_bsdf(material, point, lines);
   const LobeSet lobes = lobes_of(bsdf);
   const bool scatters = lobes.has_diffuse || lobes.has_glossy,
              is_in_media = !scatters && reach > 0 && way.chain.size() <= most_chained_to_media;
@@ -92,12 +93,12 @@ void follow_all(const PathScene& scene, const LightWay& way, size_t most, bool& 
   const SpecularBranches branches = specular_branches(bsdf, -way.ray.direction);
   for (int i = 0; i < branches.count; ++i) {
     LightWay next = way;
-    deflect(scene, next, point, branches.ways[size_t(i)]);
+    deflect(scene, lines, next, point, branches.ways[size_t(i)]);
     if (max_component(next.weight) < least_share) continue;
     if (next.chain.size() > most)
       is_cut = true;
     else
-      follow_all(scene, next, most, is_cut, land);
+      follow_all(scene, lines, next, most, is_cut, land);
   }
 }
 
@@ -285,7 +286,7 @@ class BundleMaker {
     std::vector<Landing> landings;
     const auto start = leave_lamp(scene_, origin_, ray);
     if (!start) return landings;
-    follow_all(scene_, {*start}, most, is_cut, [&](Landing landing) {
+    follow_all(scene_, scene_.lines_of(origin_.hero), {*start}, most, is_cut, [&](Landing landing) {
       if (is_black(strength_toward(origin_.light, landing.way.chain[0].point.position))) return;
       if (is_found_anyway(scene_, origin_.light, landing.way.chain)) return;
       if (!std::all_of(landing.way.chain.begin(), landing.way.chain.end(),
@@ -470,24 +471,25 @@ Caustics find_caustics(const PathScene& scene, int rays) {
   }
   const std::vector<Target> targets = find_targets(scene);
   if (targets.empty() || scene.params.max_depth < 2) return caustics;
-  caustics.lamps.resize(lights.size());
   // Many rectangles share the rays of some.
   constexpr double most_rectangles = 8;
   const double rectangles = double(std::count_if(lights.begin(), lights.end(), has_area));
   const int rays_of_rectangle = int(std::ceil(rays * std::min(1.0, most_rectangles / std::max(1.0, rectangles))));
   bool is_any = false;
-  for (size_t i = 0; i < lights.size(); ++i) {
-    const LampOrigin origin{lights[i], int(i)};
-    bool has_long = false;
-    caustics.lamps[i] = find_bundles(scene, origin, targets, has_area(lights[i]) ? rays_of_rectangle : rays, has_long);
-    const bool has_any = !caustics.lamps[i].bundles.empty();
-    is_any = is_any || has_any;
-    // Paths find what is left out of a light with an area.
-    if (has_area(lights[i]))
-      caustics.has_rectangles = caustics.has_rectangles || has_any;
-    else
-      caustics.has_long = caustics.has_long || has_long;
-  }
+  for (int hero = 0; hero < scene.heroes(); ++hero)
+    for (size_t i = 0; i < lights.size(); ++i) {
+      const LampOrigin origin{.light = lights[i], .number = int(i), .hero = scene.hero(hero)};
+      bool has_long = false;
+      caustics.lamps.push_back(
+          find_bundles(scene, origin, targets, has_area(lights[i]) ? rays_of_rectangle : rays, has_long));
+      const bool has_any = !caustics.lamps.back().bundles.empty();
+      is_any = is_any || has_any;
+      // Paths find what is left out of a light with an area.
+      if (has_area(lights[i]))
+        caustics.has_rectangles = caustics.has_rectangles || has_any;
+      else
+        caustics.has_long = caustics.has_long || has_long;
+    }
   if (!is_any) caustics.lamps.clear();
   return caustics;
 }

@@ -40,13 +40,19 @@ struct LampBundles {
 
 /// What is known in advance about the light that mirrors and glass throw on other surfaces.
 struct Caustics {
-  std::vector<LampBundles> lamps;  ///< of each light of the scene; empty if none has any bundles
+  std::vector<LampBundles>
+      lamps;  ///< of each light of the scene, for each hero one after another; empty if there is no bundle
   bool has_uneven =
       false;  ///< whether light by a mirror or glass with a normal map, or with an opacity below 1, was left out
   bool has_long = false;        ///< whether light by more than most_chained surfaces was left out
   bool has_rectangles = false;  ///< whether a rectangle has bundles, so that such light is found in two ways
 
   bool is_empty() const { return lamps.empty(); }
+
+  /// The bundles of one of the scene's lights.
+  const LampBundles& of(size_t light, size_t lights, const Hero& hero) const {
+    return lamps[size_t(hero.line) * lights + light];
+  }
 };
 
 inline constexpr int most_chained = 12;  ///< mirrors and glass surfaces between a lamp and the surface that it lights

@@ -120,16 +120,22 @@ std::vector<CausticLight::Turn> turns_of(std::span<const SpecularVertex> chain, 
   return turns;
 }
 
+bool is_parted(const PathScene& scene, std::span<const SpecularVertex> chain) {
+  return scene.parts_lines && std::any_of(chain.begin(), chain.end(), [&](const SpecularVertex& vertex) {
+           return scene.parts(scene.scene.materials[size_t(vertex.point.material)]);
+         });
+}
+
 /// Calls add(light, chain) for each light of caustic_light.
 /// @param veils  drawn, or passed: the density of a way is that before they are drawn
 template <class Add>
 void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by, int most_surfaces, bool with_phase,
                 Veils::Kind veils, PathCounts& counts, const Add& add) {
   const Light& light = scene.emitters.lights()[lit_by.light];
-  const LampBundles& lamp = scene.caustics.lamps[lit_by.light];
+  const LampBundles& lamp = scene.caustics.of(lit_by.light, scene.emitters.lights().size(), lit_by.hero);
   const Vec3 place = at.position;
   const auto* rectangle = std::get_if<RectangleLight>(&light);
-  LampOrigin from{light, int(lit_by.light)};
+  LampOrigin from{.light = light, .number = int(lit_by.light), .hero = lit_by.hero};
   Vec2 on_lamp{};
   if (rectangle) {
     from.offset = lit_by.start - from.place();
@@ -174,7 +180,11 @@ void find_light(const PathScene& scene, const SurfacePoint& at, LampPlace lit_by
       if (scene.accelerator.has_openings() || scene.accelerator.has_media()) arrivals.push_back(std::move(*arrival));
       return;
     }
-    CausticLight one{back.direction, way.weight * passed, 1, int(way.chain.size()), 0, end->index, {}};
+    CausticLight one{.direction = back.direction,
+                     .radiance = way.weight * passed,
+                     .surfaces = int(way.chain.size()),
+                     .is_parted = is_parted(scene, way.chain),
+                     .index = end->index};
     if (rectangle) {
       const double share = max_component(way.weight);
       one.pdf = density_from({place, back.direction}, way.chain, *rectangle, lit_by.start) / share;

@@ -19,6 +19,7 @@ struct CausticLight {
   Vec3 radiance;     ///< of a rectangle, at the lines [W/m²/sr]; else the irradiance across the direction [W/m²]
   double pdf = 1;    ///< of a rectangle, see below [1/sr]; else 1
   int surfaces = 0;  ///< mirrors and glass surfaces on the way
+  bool is_parted = false;   ///< whether dispersive glass is among them: only the light at the hero's line goes this way
   double optical_path = 0;  ///< Σ n·d from the lamp to the place; for a beam, from the plane through its position [m]
   double index = 1;         ///< refractive index of the medium at the place
   Vec3 phase;               ///< that the surfaces add at the lines [rad], and −π/2 for each focal line on the way
@@ -35,6 +36,8 @@ struct CausticLight {
 struct LampPlace {
   size_t light;  ///< index into Scene::lights
   Vec3 start{};  ///< the place of a rectangle from which light comes [m]
+  Hero
+      hero{};  ///< whose way it goes; light at the other lines counts where nothing parts them (CausticLight::is_parted)
 };
 
 /// All light that a lamp throws on a place by mirrors and glass; what lies in its way hides it.

@@ -25,6 +25,7 @@ struct PathVertex {
   int depth;  ///< surfaces so far, this one included
   Aim aim;    ///< how the point was found
   Vec3 throughput{1, 1, 1};
+  Hero hero{};  ///< of the path
 };
 
 /// Paths of a block of random numbers (LowDiscrepancy) that have reached diffuse surfaces that only reflect.
@@ -87,7 +88,7 @@ class DirectLight {
 
   /// The sum of `add` with weight 1 over paths 0 … paths − 1 of the numbers, which reach the same surface and begin
   /// there. Shadow rays are traced together; one is enough for a light that always lies in the same direction. An eighth of the
-  /// paths looks for the caustics of rectangles, and counts for all.
+  /// paths looks for the caustics of rectangles, and counts for all. Glass must not part the lines (PathScene::parts_lines).
   /// @return  number of dimensions that `add` takes of each path
   template <class B>
   int add_for_paths(const B& bsdf, const PathVertex& at, int paths, LowDiscrepancy& numbers) {
@@ -157,7 +158,11 @@ class DirectLight {
         if (is_in_lanes && !is_chosen) continue;
         const SurfacePoint point = surfaces.point(i);
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
-        const PathVertex at{point, {}, state, depth, aim};
+        const PathVertex at{.point = point,
+                            .state = state,
+                            .depth = depth,
+                            .aim = aim,
+                            .hero = scene_.hero_of(numbers, paths.number[i])};
         const Vec2 u = place_of(i);
         if constexpr (Sink::is_by_path) sink_.of_path(paths.number[i]);
         if (!light.is_shared) {
@@ -263,18 +268,19 @@ class DirectLight {
   void add_caustics(const B& bsdf, const PathVertex& at, const SampledLight& light, Vec2 u, double weight) {
     if (!has_caustics(at, light)) return;
     const auto* rectangle = std::get_if<RectangleLight>(light.light);
-    const LampPlace lit_by{size_t(light.group), rectangle ? place_on(*rectangle, u) : Vec3{}};
+    const LampPlace lit_by{size_t(light.group), rectangle ? place_on(*rectangle, u) : Vec3{}, at.hero};
     const auto ways =
         caustic_light(scene_, at.point, lit_by, scene_.params.max_depth - at.depth, Sink::follows_phase, counts_);
     for (size_t i = 0; i < ways.size(); ++i) {
       const CausticLight& way = ways[i];
-      auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = way.radiance, .pdf = way.pdf},
+      const Vec3 radiance = way.is_parted ? way.radiance * at.hero.parting : way.radiance;
+      auto reflected = reflect(bsdf, at, {.direction = way.direction, .radiance = radiance, .pdf = way.pdf},
                                Arrival{light.is_shared, true}, weight);
       if (!reflected) continue;
       if constexpr (Sink::follows_polarization)
         for (const CausticLight::Turn& turn : way.turns)
-          reflected->pass(make_bsdf(material_at(scene_.scene, turn.point), turn.point, scene_.lines), turn.outgoing,
-                          turn.incoming);
+          reflected->pass(make_bsdf(material_at(scene_.scene, turn.point), turn.point, scene_.lines_of(at.hero)),
+                          turn.outgoing, turn.incoming);
       add_behind(way.surfaces, light.group, *reflected);
       if constexpr (Sink::follows_phase) {
         std::optional<double> path;
@@ -309,7 +315,7 @@ class DirectLight {
     const auto hit = scene_.accelerator.closest_hit(ray, at.aim, only_surfaces);
     if (!hit || hit->distance >= way.distance || !mirror.holds(hit->point)) return;
     const Material& material = material_at(scene_.scene, hit->point);
-    const Bsdf bsdf = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
+    const Bsdf bsdf = make_bsdf(material, shading_point(material, hit->point), scene_.lines_of(at.hero));
     const SpecularBranches branches = specular_branches(bsdf, -way.direction);
     const auto last = branches.ways.begin() + branches.count;
     const auto back =
@@ -319,8 +325,9 @@ class DirectLight {
     const Ray onward{scene_.accelerator.leave(hit->point, back->direction), back->direction};
     const double left = way.distance - length(hit->point.position - at.point.position);
     if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
-    const Vec3 passed = back->weight * scene_.accelerator.transmittance(ray, hit->distance) *
-                        scene_.accelerator.transmittance(onward, left);
+    Vec3 passed = back->weight * scene_.accelerator.transmittance(ray, hit->distance) *
+                  scene_.accelerator.transmittance(onward, left);
+    if (scene_.parts(material)) passed *= at.hero.parting;
     Reflected light = reflected;
     light.diffuse *= passed, light.glossy *= passed;
     light.pass(bsdf, -way.direction, back->direction);

@@ -72,8 +72,9 @@ std::optional<Ray> leave_lamp(const PathScene& scene, const LampOrigin& from, co
   return Ray{ray.origin + ray.direction * off, ray.direction};
 }
 
-void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, const BsdfSample& branch) {
-  way.chain.push_back(specular_vertex(scene.scene, point, way.ray.direction, branch, way.index, scene.lines));
+void deflect(const PathScene& scene, const Lines& lines, LightWay& way, const SurfacePoint& point,
+             const BsdfSample& branch) {
+  way.chain.push_back(specular_vertex(scene.scene, point, way.ray.direction, branch, way.index, lines));
   way.index = way.chain.back().index_after();
   // The weight of a branch is that of radiance; n² of it is not power.
   way.weight *= branch.weight / branch.squared_index_ratio;
@@ -87,6 +88,7 @@ std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& fr
   const auto start = leave_lamp(scene, from, ray);
   if (!start) return std::nullopt;
   LightWay way{*start};
+  const Lines lines = scene.lines_of(from.hero);
   way.chain.reserve(model.size());
   for (const SpecularVertex& vertex : model) {
     ++counts.rays;
@@ -94,13 +96,13 @@ std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& fr
     if (!hit || hit->point.light >= 0 || hit->point.mesh != vertex.point.mesh) return std::nullopt;
     const Material& material = scene.scene.materials[size_t(hit->point.material)];
     const SurfacePoint point = shading_point(material, hit->point);
-    const SpecularBranches branches = specular_branches(make_bsdf(material, point, scene.lines), -way.ray.direction);
+    const SpecularBranches branches = specular_branches(make_bsdf(material, point, lines), -way.ray.direction);
     const auto last = branches.ways.begin() + branches.count;
     const auto same = std::find_if(branches.ways.begin(), last, [&](const BsdfSample& branch) {
       return branch.is_transmission == vertex.is_transmission;
     });
     if (same == last) return std::nullopt;
-    deflect(scene, way, point, *same);
+    deflect(scene, lines, way, point, *same);
   }
   return way;
 }

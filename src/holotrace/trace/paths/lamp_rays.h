@@ -32,6 +32,7 @@ struct LampOrigin {
   const Light& light;
   int number;     ///< of the light in its scene
   Vec3 offset{};  ///< from the middle of a rectangle [m]
+  Hero hero{};    ///< whose way the light goes
 
   bool is_beam() const { return std::holds_alternative<DirectionalLight>(light); }
   const RectangleLight* rectangle() const { return std::get_if<RectangleLight>(&light); }
@@ -68,8 +69,9 @@ struct LightWay {
 /// A ray of a lamp that does not meet the surface of that lamp; none behind a rectangle.
 std::optional<Ray> leave_lamp(const PathScene& scene, const LampOrigin& from, const Ray& ray);
 
-/// Sends light on by a branch of a surface that it has met.
-void deflect(const PathScene& scene, LightWay& way, const SurfacePoint& point, const BsdfSample& branch);
+/// Sends light on by a branch of a surface that it has met; glass bends it by the index at the hero of the lines.
+void deflect(const PathScene& scene, const Lines& lines, LightWay& way, const SurfacePoint& point,
+             const BsdfSample& branch);
 
 /// Follows a ray of a lamp by the same reflections and refractions on the same meshes as those of a chain. Veils (Veils) let it pass.
 std::optional<LightWay> follow_like(const PathScene& scene, const LampOrigin& from, const Ray& ray,

@@ -358,7 +358,7 @@ void mean_radiance(const PathScene& scene, const PathStart& start, int paths, ui
                    PathCounts& counts) {
   std::fill(sums.begin(), sums.end(), Vec3{});
   LowDiscrepancy numbers(scene.params.seed, 0, sample);
-  if (start.point.light < 0 && fits_groups(scene)) {
+  if (start.point.light < 0 && fits_groups(scene) && !scene.parts_lines) {
     // Lights are sampled at the start for all paths together.
     RadianceSink sink = make_sink(scene, sums);
     const auto common = PathWalk(scene, sink, counts).add_direct_light_at_start(start, paths, numbers);

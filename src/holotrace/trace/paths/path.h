@@ -88,6 +88,9 @@ struct PathStart {
 /// With polarization (PathScene::detector), L is what the detector sees: each contribution is multiplied by the row of its path
 /// (polarization.h) for unpolarised sources. Directions and roulette are drawn by the whole light, as without it.
 ///
+/// Where glass bends the lines differently, the path goes on with one of them (Hero): paths take the three in turn, and their
+/// mean is that of the lines by themselves.
+///
 /// Cost: per surface one ray, and one shadow ray for each light that may reach it; where a caustic may lie, 10 to 20 µs more.
 ///
 /// @param numbers  the path's own sequence, started
@@ -124,8 +127,8 @@ void add_light_on_way(const PathScene& scene, const Ray& ray, double distance, P
                       std::span<Vec3> sums);
 
 /// The mean of `paths` paths from the same start, with numbers keyed by (scene.params.seed, sample). `sums` is
-/// overwritten. Without a clamp or asks_at_end the paths share one shadow ray to each light that always lies in the same
-/// direction from the start.
+/// overwritten. Without a clamp, asks_at_end or glass that parts the lines, the paths share one shadow ray to each light that always
+/// lies in the same direction from the start.
 void mean_radiance(const PathScene& scene, const PathStart& start, int paths, uint64_t sample, std::span<Vec3> sums,
                    PathCounts& counts);
 

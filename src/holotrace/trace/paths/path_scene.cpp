@@ -118,6 +118,13 @@ static Lines lines_for(const Scene& scene, Lines lines) {
   return lines;
 }
 
+static bool bends_differently(const Scene& scene, const Lines& lines) {
+  const auto& [first, second, third] = lines.wavelengths;
+  return (first != second || first != third) &&
+         std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                     [&](const Mesh& mesh) { return is_dispersive(scene.materials[size_t(mesh.material)]); });
+}
+
 /// Filters need polarization, with or without an analyser.
 static std::optional<StokesVector> detector_of(const Scene& scene, const PathParams& params) {
   if (params.detector) return params.detector;
@@ -134,6 +141,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       emitters(scene, lines),
       automaton(path_expressions),
       lines(lines_for(scene, lines)),
+      parts_lines(bends_differently(scene, lines)),
       detector(detector_of(scene, params)),
       params(params),
       rectangles(scene.lights.size()),
@@ -151,6 +159,17 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
     if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
       rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
   caustics = find_caustics(*this, params.caustic_rays);
+}
+
+Hero PathScene::hero(int number) const {
+  if (!parts_lines) return {};
+  return {number, Vec3{number == 0 ? 1.0 : 0.0, number == 1 ? 1.0 : 0.0, number == 2 ? 1.0 : 0.0} * heroes()};
+}
+
+Lines PathScene::lines_of(const Hero& hero) const {
+  Lines of_hero = lines;
+  of_hero.hero = hero.line;
+  return of_hero;
 }
 
 }  // namespace holotrace

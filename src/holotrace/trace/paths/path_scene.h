@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "holotrace/base/low_discrepancy.h"
 #include "holotrace/data/params/path_tracing.h"
 #include "holotrace/data/path_expression.h"
 #include "holotrace/data/polarization.h"
@@ -11,6 +12,7 @@
 #include "holotrace/trace/geometry/accelerator.h"
 #include "holotrace/trace/lights/emitters.h"
 #include "holotrace/trace/lights/light.h"
+#include "holotrace/trace/materials/bsdf.h"
 #include "holotrace/trace/paths/caustic_bundles.h"
 #include "holotrace/trace/shared/ray.h"
 
@@ -62,6 +64,7 @@ struct PathScene {
   Emitters emitters;
   PathAutomaton automaton;  ///< automaton of the path groups
   Lines lines;
+  bool parts_lines;  ///< whether glass of the scene bends the three lines differently: each path has a hero (Hero)
   std::optional<StokesVector> detector;  ///< what is seen of polarised light; none: light has no polarization
   PathParams params;
   std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
@@ -77,6 +80,23 @@ struct PathScene {
   /// Number of sums that paths make: one per path group and, with separate lights, per light group. Sum
   /// g·path_groups + l is that of path group l and light group g.
   int sums() const { return automaton.path_groups() * (params.separate_lights ? emitters.groups() : 1); }
+
+  /// Whether a surface sends the lines different ways.
+  bool parts(const Material& material) const { return parts_lines && is_dispersive(material); }
+
+  /// Number of heroes, one of which each path has.
+  int heroes() const { return parts_lines ? 3 : 1; }
+
+  /// A hero by its number, 0 … heroes() − 1.
+  Hero hero(int number) const;
+
+  /// The hero of a path of the numbers' block.
+  Hero hero_of(const LowDiscrepancy& numbers, uint32_t path_of_block) const {
+    return parts_lines ? hero(numbers.stratum(heroes(), path_of_block)) : Hero{};
+  }
+
+  /// The lines, with glass that bends them by the index at a hero.
+  Lines lines_of(const Hero& hero) const;
 
   /// What the viewer sees of unpolarised light that meets nothing on its way.
   double share_of_unpolarised() const { return detector ? (*detector)[0] : 1; }

@@ -91,8 +91,14 @@ class PathWalk {
 
   /// Follows the path from the surface that it has reached to its end.
   void go_on(LowDiscrepancy& numbers) {
+    Lines lines = scene_.lines;
+    if (scene_.parts_lines) {
+      hero_ = scene_.hero_of(numbers, numbers.path_of_block());
+      lines = scene_.lines_of(hero_);
+    }
     for (;;) {
-      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, scene_.lines);
+      if (scene_.parts(material())) part();
+      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, lines);
       // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
       if (!next) return;
@@ -212,7 +218,14 @@ class PathWalk {
     if (emitters_.is_emissive(point_.material)) add_emission(material());
   }
 
-  PathVertex vertex() const { return {point_, outgoing_, state_, depth_, aim_, throughput_}; }
+  PathVertex vertex() const { return {point_, outgoing_, state_, depth_, aim_, throughput_, hero_}; }
+
+  /// From here on the path carries the light of its hero alone, for all three lines: it is not more light.
+  void part() {
+    throughput_ *= hero_.parting;
+    scale_ *= max_component(hero_.parting);
+    hero_.parting = {1, 1, 1};
+  }
 
   void add_met(uint32_t path_groups, int group, Vec3 light) {
     if (is_black(light)) return;
@@ -250,7 +263,7 @@ class PathWalk {
   /// has sampled it as well, at the last surface from which the path went in a random direction.
   double weight_by_mirrors(int light, const Ray& ray, double distance) {
     if (!(last_scatter_.pdf > 0)) return 1;
-    const LampPlace met{size_t(light), ray.origin + ray.direction * distance};
+    const LampPlace met{size_t(light), ray.origin + ray.direction * distance, hero_};
     const double pdf =
         caustic_pdf(scene_, last_scatter_.point, last_scatter_.direction, met, depth_ - last_scatter_.depth,
                     scene_.params.max_depth - last_scatter_.depth, counts_);
@@ -351,7 +364,8 @@ class PathWalk {
   SurfacePoint& point_ = hit_.point;
   Vec3 outgoing_, throughput_{1, 1, 1};
   int depth_ = 1;
-  double scale_ = 1;               // factor of the throughput from refractive indices
+  double scale_ = 1;  // factor of the throughput from refractive indices and from parted lines
+  Hero hero_;
   double pdf_ = 0, distance_ = 0;  // of the direction that led here; 0: specular, or start of the path
 
   /// The last surface from which the path went in a random direction, if rectangles have caustics.

@@ -64,15 +64,28 @@ struct Lines {
   /// The value of a scene colour at the lines (data/spectrum.h).
   Vec3 from_rgb(Vec3 rgb) const { return {dot(weights[0], rgb), dot(weights[1], rgb), dot(weights[2], rgb)}; }
 
+  int hero = 0;  ///< the line by whose refractive index glass bends the light of all three; see Hero
+
   const ReflectanceTable* reflectances = nullptr;  ///< that of smooth spectra at these lines; none: linear ones
 
   /// The reflectance at the lines of a surface of a colour, each in [0, 1].
   Vec3 reflectance_of(Vec3 rgb) const { return reflectances ? reflectances->at(rgb) : from_rgb(rgb); }
 
+  double hero_wavelength() const { return wavelengths[size_t(hero)]; }
+
   /// The values of a spectrum at the lines.
   Vec3 values_of(const Spectrum& spectrum) const {
     return {spectrum.at(wavelengths[0]), spectrum.at(wavelengths[1]), spectrum.at(wavelengths[2])};
   }
+};
+
+/// The line whose way a light path goes where dispersive glass parts the lines, drawn for each path. There the path leaves the
+/// other two, and its light counts for all three.
+/// Reference: A. Wilkie et al., Hero Wavelength Spectral Sampling, Comput. Graph. Forum 33(4), 2014.
+struct Hero {
+  int line = 0;
+  Vec3 parting{1, 1,
+               1};  ///< factor of the light at the lines, where glass parts them; 1 on a path that has been parted
 };
 
 /// The lines at three wavelengths [m]; for fewer wavelengths, repeat one.

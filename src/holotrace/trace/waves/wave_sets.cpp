@@ -18,11 +18,6 @@ namespace holotrace {
 
 namespace {
 
-bool parts_colours(const Material& material) {
-  const RefractiveIndex* index = solid_index(material);
-  return index && is_dispersive(*index);
-}
-
 bool is_laser(const Light& light) {
   const auto* point = std::get_if<PointLight>(&light);
   const auto* beam = std::get_if<DirectionalLight>(&light);
@@ -35,7 +30,7 @@ double at_line(Vec3 v, int line) { return line == 0 ? v.x : line == 1 ? v.y : v.
 
 std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std::vector<double>& wavelengths) {
   const bool is_alone = std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) {
-    return parts_colours(scene.materials[size_t(mesh.material)]);
+    return is_dispersive(scene.materials[size_t(mesh.material)]);
   });
   std::vector<std::vector<double>> groups;
   for (const double wavelength : wavelengths) {
