@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
@@ -30,6 +31,8 @@ inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalize(Vec3 a) { return a / length(a); }
 inline double max_component(Vec3 a) { return std::max(a.x, std::max(a.y, a.z)); }
+/// Component 0, 1 or 2.
+inline double component(Vec3 a, size_t number) { return number == 0 ? a.x : number == 1 ? a.y : a.z; }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
 /// A texture coordinate, or any pair.

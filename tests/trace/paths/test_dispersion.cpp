@@ -139,7 +139,7 @@ TEST(Dispersion, RoughGlassAndReflectionsAreThoseOfEachLine) {
   const auto rough = [](const RefractiveIndex& index) {
     return with_lamp(make_wall_and_ball(DielectricMaterial{.index = index, .roughness = 0.4}), rectangle(30_mm));
   };
-  expect_as_line_by_line(rough, through, 4000, {.max_depth = 6}, 0.03);
+  expect_as_line_by_line(rough, through, 20000, {.max_depth = 6}, 0.03);
   const auto layers = [](const RefractiveIndex& index) {
     PrincipledMaterial material;
     material.transmission = {1};
@@ -147,7 +147,7 @@ TEST(Dispersion, RoughGlassAndReflectionsAreThoseOfEachLine) {
     material.index = index;
     return with_lamp(make_wall_and_ball(material), rectangle(30_mm));
   };
-  expect_as_line_by_line(layers, through, 4000, {.max_depth = 6}, 0.03);
+  expect_as_line_by_line(layers, through, 20000, {.max_depth = 6}, 0.03);
   const auto slab = [](const RefractiveIndex& index) {
     Scene scene;
     scene.materials = {grey(0.6), DielectricMaterial{.index = index}};

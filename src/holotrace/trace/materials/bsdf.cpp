@@ -43,9 +43,8 @@ Bsdf make(const ConductorMaterial& material, const SurfacePoint& point, const Li
 }
 
 Bsdf make(const DielectricMaterial& material, const SurfacePoint& point, const Lines& lines) {
-  const double n = index_at(material.index, lines.hero_wavelength()).real(), roughness = clip(material.roughness);
-  return make_dielectric_bsdf(point.normal, point.geometric_normal, point.is_front || material.is_thin ? n : 1 / n,
-                              roughness * roughness, material.is_thin);
+  const double roughness = clip(material.roughness);
+  return make_dielectric_bsdf(point, material.index, lines, roughness * roughness, material.is_thin);
 }
 
 Bsdf make(const MetallicRoughnessMaterial& material, const SurfacePoint& point, const Lines& lines) {

@@ -87,4 +87,17 @@ const BoundaryLoss& boundary_loss(double exact_index, double alpha) {
   return *last.loss;
 }
 
+DielectricBsdf make_dielectric_bsdf(const SurfacePoint& point, const RefractiveIndex& index, const Lines& lines,
+                                    double alpha, bool is_thin) {
+  const auto relative = [&](size_t line) {
+    const double n = index_at(index, lines.wavelengths[line]).real();
+    return point.is_front || is_thin ? n : 1 / n;
+  };
+  const auto hero = size_t(lines.hero);
+  DielectricBsdf b = make_dielectric_bsdf(point.normal, point.geometric_normal, relative(hero), alpha, is_thin);
+  if (index.samples.size() > 1) b.indices = {relative(0), relative(1), relative(2)};
+  b.hero = hero;
+  return b;
+}
+
 }  // namespace holotrace

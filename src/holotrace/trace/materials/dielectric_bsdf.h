@@ -6,9 +6,11 @@
 #include <optional>
 
 #include "holotrace/base/units.h"
+#include "holotrace/data/refractive_index.h"
 #include "holotrace/trace/materials/fresnel.h"
 #include "holotrace/trace/materials/lobe.h"
 #include "holotrace/trace/materials/microfacet.h"
+#include "holotrace/trace/shared/ray.h"
 
 namespace holotrace {
 
@@ -89,23 +91,29 @@ const BoundaryLoss& boundary_loss(double index, double alpha);
 /// first face.
 struct DielectricBsdf {
   Vec3 normal, geometric_normal;
-  double index = 1;  ///< relative index: far medium over near medium, at the first line
+  double index = 1;  ///< relative index: far medium over near medium, at the hero of the lines (Lines::hero)
   double alpha = 0;  ///< roughness α; smooth below smooth_alpha
   bool is_thin = false;
   const BoundaryLoss* loss = nullptr;  ///< losses of a rough boundary
+  Vec3 indices{1, 1, 1};               ///< relative indices at the lines: smooth boundaries reflect each by its own
+  size_t hero = 0;                     ///< the line whose index `index` is
 
   /// Media of equal index have no boundary, so it counts as smooth.
   bool is_smooth() const { return is_thin || alpha < smooth_alpha || std::fabs(index - 1) < 1e-6; }
 };
 
-/// @param index  index of the far medium over that of the near one, at the first line
+/// @param index  index of the far medium over that of the near one, at the hero of the lines
 /// @param alpha  α of the GGX distribution, at most 1
 inline DielectricBsdf make_dielectric_bsdf(Vec3 normal, Vec3 geometric_normal, double index, double alpha,
                                            bool is_thin) {
-  DielectricBsdf b{normal, geometric_normal, index, alpha, is_thin};
+  DielectricBsdf b{normal, geometric_normal, index, alpha, is_thin, nullptr, Vec3{1, 1, 1} * index, 0};
   if (!b.is_smooth()) b.loss = &boundary_loss(index > 1 ? index : 1 / index, alpha);
   return b;
 }
+
+/// The boundary of a solid or a pane at a point, seen from the side that the path came from.
+DielectricBsdf make_dielectric_bsdf(const SurfacePoint& point, const RefractiveIndex& index, const Lines& lines,
+                                    double alpha, bool is_thin);
 
 inline LobeSet lobes(const DielectricBsdf& b) { return {.has_glossy = !b.is_smooth()}; }
 
@@ -200,26 +208,37 @@ inline double pdf(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe lo
   return between(b, outgoing, incoming, lobe).pdf;
 }
 
-/// Reflection, then refraction if there is one, each with its full weight.
+/// Fresnel's reflectances of a smooth boundary at the lines, for the cosine of the angle on the near side.
+inline Vec3 reflectances(const DielectricBsdf& b, double cosine) {
+  const double first = reflectance_dielectric(cosine, b.indices.x);
+  if (b.indices.y == b.indices.x && b.indices.z == b.indices.x) return Vec3{1, 1, 1} * first;
+  return {first, reflectance_dielectric(cosine, b.indices.y), reflectance_dielectric(cosine, b.indices.z)};
+}
+
+/// Reflection, then refraction if there is one, each with its full weight. Refraction is that of the hero, for all lines.
 inline SpecularBranches branches(const DielectricBsdf& b, Vec3 outgoing) {
   SpecularBranches result;
   if (!b.is_smooth()) return result;
   const Vec3 normal = facing_normal(b.normal, outgoing);
   const double cosine = std::fmin(1, dot(outgoing, normal));
-  double reflected = reflectance_dielectric(cosine, b.index), scale = 1 / (b.index * b.index);
+  const Vec3 white{1, 1, 1};
+  Vec3 reflected = reflectances(b, cosine), passed = white * (1 - component(reflected, b.hero));
+  double scale = 1 / (b.index * b.index);
   if (b.is_thin) {
-    reflected = 2 * reflected / (1 + reflected);
+    reflected = {2 * reflected.x / (1 + reflected.x), 2 * reflected.y / (1 + reflected.y),
+                 2 * reflected.z / (1 + reflected.z)};
+    passed = white - reflected;
     scale = 1;
   }
-  const auto add = [&](Vec3 direction, double weight, double squared_index_ratio, bool is_transmission, double phase) {
-    if (weight <= 0 || (dot(b.geometric_normal, direction) < 0) != is_transmission) return;
-    weight *= squared_index_ratio;
-    result.ways[size_t(result.count++)] = {direction,          {weight, weight, weight}, 1,
-                                           Lobe::specular,     is_transmission,          {phase, phase, phase},
-                                           squared_index_ratio};
+  const auto add = [&](Vec3 direction, Vec3 weight, double squared_index_ratio, bool is_transmission, double phase) {
+    if (!(max_component(weight) > 0) || (dot(b.geometric_normal, direction) < 0) != is_transmission) return;
+    result.ways[size_t(result.count++)] = {
+        direction,     weight * squared_index_ratio, 1, Lobe::specular, is_transmission,
+        white * phase, squared_index_ratio};
   };
-  if (reflected > 0) add(reflect(outgoing, normal), reflected, 1, false, reflection_phase(cosine, b.index));
-  if (reflected < 1) add(b.is_thin ? -outgoing : refract(outgoing, normal, b.index), 1 - reflected, scale, true, 0);
+  add(reflect(outgoing, normal), reflected, 1, false, reflection_phase(cosine, b.index));
+  if (max_component(passed) > 0)
+    add(b.is_thin ? -outgoing : refract(outgoing, normal, b.index), passed, scale, true, 0);
   return result;
 }
 
@@ -251,7 +270,7 @@ inline std::optional<BsdfSample> sample(const DielectricBsdf& b, Vec3 outgoing, 
     double passed = 0;
     for (int k = 0; k < both.count; ++k) {
       BsdfSample way = both.ways[size_t(k)];
-      way.pdf = way.weight.x / way.squared_index_ratio;
+      way.pdf = component(way.weight, b.hero) / way.squared_index_ratio;
       passed += way.pdf;
       if (u_lobe >= passed && !(k + 1 == both.count && passed > 1 - 1e-9)) continue;
       way.weight = way.weight / way.pdf;

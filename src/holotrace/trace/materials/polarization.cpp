@@ -20,7 +20,6 @@ struct Amplitudes {
   Complex s, p;
 };
 
-double at_line(Vec3 v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
 double& place_of(Vec3& v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
 
 /// A sum of Mueller matrices with the same axis s, at the lines.
@@ -45,7 +44,7 @@ class MuellerSum {
 
   /// Adds light without polarization.
   void add_depolarised(Vec3 intensity) {
-    for (size_t line = 0; line < 3; ++line) place_of(all_, line) += std::max(0.0, at_line(intensity, line));
+    for (size_t line = 0; line < 3; ++line) place_of(all_, line) += std::max(0.0, component(intensity, line));
   }
 
   /// The sum over its m₀₀.
@@ -53,7 +52,7 @@ class MuellerSum {
     PolarizationChange mean = sum_;
     for (Vec3* part : {&mean.d, &mean.e, &mean.c, &mean.c_turn})
       for (size_t line = 0; line < 3; ++line)
-        place_of(*part, line) = at_line(all_, line) > 0 ? at_line(*part, line) / at_line(all_, line) : 0;
+        place_of(*part, line) = component(all_, line) > 0 ? component(*part, line) / component(all_, line) : 0;
     return mean;
   }
 
@@ -125,7 +124,7 @@ PolarizationChange change(const ConductorBsdf& b, Vec3 outgoing, Vec3 incoming, 
     once = reflected_once(b.rough, view.outgoing, view.local(incoming), [&](double c) { return reflectance(b, c); });
     sum.add_depolarised(eval(b, outgoing, incoming, Lobe::glossy) - once);
   }
-  for (size_t line = 0; line < 3; ++line) sum.add(line, at_line(once, line), reflected_at(cosine, b.index[line]));
+  for (size_t line = 0; line < 3; ++line) sum.add(line, component(once, line), reflected_at(cosine, b.index[line]));
   return sum.mean();
 }
 
@@ -138,7 +137,7 @@ void add_boundary(MuellerSum& sum, const DielectricBsdf& b, Vec3 outgoing, Vec3 
     cosine = b.index == 1 ? 1 : std::min(1.0, std::fabs(dot(outgoing, half)) / length(half));
   }
   const Amplitudes r = is_transmission ? transmitted_at(cosine, b.index) : reflected_at(cosine, b.index);
-  for (size_t line = 0; line < 3; ++line) sum.add(line, at_line(once, line), r);
+  for (size_t line = 0; line < 3; ++line) sum.add(line, component(once, line), r);
 }
 
 PolarizationChange change(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe) {
@@ -170,7 +169,7 @@ PolarizationChange change(const MetallicRoughnessBsdf& b, Vec3 outgoing, Vec3 in
     sum.add_depolarised(eval(b, outgoing, incoming, Lobe::glossy) - once);
   }
   for (size_t line = 0; line < 3; ++line)
-    sum.add(line, at_line(once, line), reflected_at(cosine, index_of_f0(at_line(b.f0, line))));
+    sum.add(line, component(once, line), reflected_at(cosine, index_of_f0(component(b.f0, line))));
   return sum.mean();
 }
 
@@ -178,11 +177,11 @@ PolarizationChange change(const MetallicRoughnessBsdf& b, Vec3 outgoing, Vec3 in
 void add_reflection(MuellerSum& sum, const BoundaryReflectance& b, double cosine, Vec3 scale) {
   const Vec3 plain = b.f0 + (b.f90 - b.f0) * schlick_weight(cosine), films = b.film > 0 ? b.of_films(cosine) : Vec3{};
   for (size_t line = 0; line < 3; ++line) {
-    const double all = at_line(scale, line), f90 = at_line(b.f90, line);
+    const double all = component(scale, line), f90 = component(b.f90, line);
     if (f90 > 0)
-      sum.add(line, all * (1 - b.film) * at_line(plain, line),
-              reflected_at(cosine, index_of_f0(at_line(b.f0, line) / f90)));
-    if (b.film > 0) sum.add(line, all * b.film * at_line(films, line), reflected_by(b.films[line], cosine));
+      sum.add(line, all * (1 - b.film) * component(plain, line),
+              reflected_at(cosine, index_of_f0(component(b.f0, line) / f90)));
+    if (b.film > 0) sum.add(line, all * b.film * component(films, line), reflected_by(b.films[line], cosine));
   }
 }
 
@@ -190,9 +189,9 @@ void add_reflection(MuellerSum& sum, const BoundaryReflectance& b, double cosine
 void add_passage(MuellerSum& sum, const BoundaryReflectance& b, double cosine, Vec3 scale) {
   const Vec3 passed = Vec3{1, 1, 1} - b.at(cosine);
   for (size_t line = 0; line < 3; ++line) {
-    const auto [r_s, r_p] = reflected_at(cosine, index_of_f0(at_line(b.f0, line)));
+    const auto [r_s, r_p] = reflected_at(cosine, index_of_f0(component(b.f0, line)));
     const double s = 1 - std::norm(r_s), p = 1 - std::norm(r_p);
-    sum.add(line, at_line(scale * passed, line), {std::sqrt(std::max(0.0, s)), std::sqrt(std::max(0.0, p))});
+    sum.add(line, component(scale * passed, line), {std::sqrt(std::max(0.0, s)), std::sqrt(std::max(0.0, p))});
   }
 }
 

@@ -32,8 +32,6 @@ Vec3 for_lines(const F& f) {
   return {f(size_t(0)), f(size_t(1)), f(size_t(2))};
 }
 
-double part(Vec3 v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
-
 /// A film on a boundary whose F₀, before `scale`, is f0.
 void add_film(const Principled& material, const SurfacePoint& point, const Lines& lines, Vec3 f0, double scale,
               BoundaryReflectance& to) {
@@ -43,7 +41,7 @@ void add_film(const Principled& material, const SurfacePoint& point, const Lines
   const double thickness = material.least_thickness + texel * (material.film_thickness - material.least_thickness);
   to.film_scale = scale;
   for (size_t line = 0; line < 3; ++line)
-    to.films[line] = {material.iridescence_index, index_of_f0(part(f0, line)),
+    to.films[line] = {material.iridescence_index, index_of_f0(component(f0, line)),
                       material.iridescence_index * thickness / lines.wavelengths[line]};
 }
 
@@ -80,7 +78,7 @@ Vec3 kept_mean(const BoundaryReflectance& b) {
 /// Sets K.
 void finish(BoundaryReflectance& boundary, double mean_loss) {
   const Vec3 mean = boundary.film > 0 ? kept_mean(boundary) : boundary.f0 + (boundary.f90 - boundary.f0) / 21;
-  boundary.multiple = for_lines([&](size_t line) { return multiple_reflection(part(mean, line), mean_loss); });
+  boundary.multiple = for_lines([&](size_t line) { return multiple_reflection(component(mean, line), mean_loss); });
 }
 
 /// The tangent of a brushed surface, across its grooves: the larger α.x is along it.
@@ -161,7 +159,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
 
   const Vec3 specular_colour = lines.from_rgb(colour_at(material.specular_color, point));
   const Vec3 f0 = share(for_lines([&](size_t line) {
-    return f0_of_index(index_at(material.index, lines.wavelengths[line]).real()) * part(specular_colour, line);
+    return f0_of_index(index_at(material.index, lines.wavelengths[line]).real()) * component(specular_colour, line);
   }));
   b.dielectric.f0 = f0 * specular;
   b.dielectric.f90 = white * specular;
@@ -184,7 +182,8 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
     const auto through = [&](double cosine) { return b.through_all_turns(cosine); };
     const bool has_fringes = b.dielectric.film > 0 && b.is_base_smooth();
     const Vec3 mean = has_fringes ? hemisphere_mean_of_fringes(through) : hemisphere_mean(through);
-    const Vec3 per_mean = for_lines([&](size_t line) { return part(mean, line) > 0 ? 1 / part(mean, line) : 0; });
+    const Vec3 per_mean =
+        for_lines([&](size_t line) { return component(mean, line) > 0 ? 1 / component(mean, line) : 0; });
     b.diffuse = b.reflected * per_mean;
     b.diffuse_through = b.sent_on * per_mean;
   }
@@ -192,9 +191,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
   if (is_solid) {
     b.glass = below * clear;
     b.tint = colour;
-    const double n = index_at(material.index, lines.hero_wavelength()).real();
-    b.solid = make_dielectric_bsdf(b.normal, b.geometric_normal, point.is_front ? n : 1 / n,
-                                   alpha_of_solid(material, roughness), false);
+    b.solid = make_dielectric_bsdf(point, material.index, lines, alpha_of_solid(material, roughness), false);
   } else {
     b.through = colour * (below * clear);
     // What many microfacets do not reflect goes on: with the reflection it adds up to that of white ones.
@@ -222,9 +219,9 @@ SpecularBranches branches(const PrincipledBsdf& b, Vec3 outgoing) {
     if (brighter.film > 0 && !has_mirror_coat)
       phase = for_lines([&](size_t line) { return reflection_phase_film(cosine, brighter.films[line]); });
   }
-  const double of_glass = is_glass_smooth ? reflectance_dielectric(cosine, b.solid.index) : 0;
+  const Vec3 of_glass = is_glass_smooth ? reflectances(b.solid, cosine) : Vec3{};
   if (is_glass_smooth) {
-    reflected += white * (b.glass * layers * of_glass);
+    reflected += of_glass * (b.glass * layers);
     if (!has_mirror_coat) phase = white * reflection_phase(cosine, b.solid.index);
   }
   const auto add = [&](Vec3 direction, Vec3 weight, double squared_index_ratio, bool is_transmission, Vec3 turn) {
@@ -235,10 +232,10 @@ SpecularBranches branches(const PrincipledBsdf& b, Vec3 outgoing) {
   add(mirrored, reflected, 1, false, phase);
   if (is_base_smooth && max_component(b.through) > 0)
     add(-outgoing, b.through * (white - b.dielectric.at(cosine)) * layers_out, 1, true, {});
-  if (is_glass_smooth && of_glass < 1) {
+  if (const double of_hero = component(of_glass, b.solid.hero); is_glass_smooth && of_hero < 1) {
     const Vec3 on = refract(outgoing, normal, b.solid.index);
     const double outside = b.is_inside ? b.through_layers(view.cosines(view.local(on))) : layers_out;
-    add(on, b.tint * (b.glass * (1 - of_glass) * outside), 1 / (b.solid.index * b.solid.index), true, {});
+    add(on, b.tint * (b.glass * (1 - of_hero) * outside), 1 / (b.solid.index * b.solid.index), true, {});
   }
   return result;
 }

@@ -122,7 +122,7 @@ std::vector<CausticLight::Turn> turns_of(std::span<const SpecularVertex> chain, 
 
 bool is_parted(const PathScene& scene, std::span<const SpecularVertex> chain) {
   return scene.parts_lines && std::any_of(chain.begin(), chain.end(), [&](const SpecularVertex& vertex) {
-           return scene.parts(scene.scene.materials[size_t(vertex.point.material)]);
+           return vertex.is_transmission && scene.parts(scene.scene.materials[size_t(vertex.point.material)]);
          });
 }
 

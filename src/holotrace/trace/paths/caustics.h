@@ -22,7 +22,7 @@ struct CausticLight {
   bool is_parted = false;   ///< whether dispersive glass is among them: only the light at the hero's line goes this way
   double optical_path = 0;  ///< Σ n·d from the lamp to the place; for a beam, from the plane through its position [m]
   double index = 1;         ///< refractive index of the medium at the place
-  Vec3 phase;               ///< that the surfaces add at the lines [rad], and −π/2 for each focal line on the way
+  Vec3 phase{};             ///< that the surfaces add at the lines [rad], and −π/2 for each focal line on the way
 
   /// A surface of the chain, and its directions toward the place and toward the lamp.
   struct Turn {

@@ -159,6 +159,7 @@ class DirectLight {
         const SurfacePoint point = surfaces.point(i);
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
         const PathVertex at{.point = point,
+                            .outgoing = {},
                             .state = state,
                             .depth = depth,
                             .aim = aim,
@@ -315,7 +316,7 @@ class DirectLight {
     const auto hit = scene_.accelerator.closest_hit(ray, at.aim, only_surfaces);
     if (!hit || hit->distance >= way.distance || !mirror.holds(hit->point)) return;
     const Material& material = material_at(scene_.scene, hit->point);
-    const Bsdf bsdf = make_bsdf(material, shading_point(material, hit->point), scene_.lines_of(at.hero));
+    const Bsdf bsdf = make_bsdf(material, shading_point(material, hit->point), scene_.lines);
     const SpecularBranches branches = specular_branches(bsdf, -way.direction);
     const auto last = branches.ways.begin() + branches.count;
     const auto back =
@@ -325,9 +326,8 @@ class DirectLight {
     const Ray onward{scene_.accelerator.leave(hit->point, back->direction), back->direction};
     const double left = way.distance - length(hit->point.position - at.point.position);
     if (scene_.accelerator.is_occluded(onward, left - hit->point.clearance, at.aim)) return;
-    Vec3 passed = back->weight * scene_.accelerator.transmittance(ray, hit->distance) *
-                  scene_.accelerator.transmittance(onward, left);
-    if (scene_.parts(material)) passed *= at.hero.parting;
+    const Vec3 passed = back->weight * scene_.accelerator.transmittance(ray, hit->distance) *
+                        scene_.accelerator.transmittance(onward, left);
     Reflected light = reflected;
     light.diffuse *= passed, light.glossy *= passed;
     light.pass(bsdf, -way.direction, back->direction);

@@ -21,8 +21,6 @@ std::complex<double> phase_factor(double path, double wavelength, double added) 
   return std::polar(1.0, 2 * pi * (cycles - std::floor(cycles)) + added);
 }
 
-double line_of(Vec3 v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
-
 /// Records the optical path along a light path and keeps laser light apart from other light.
 class PhasorSink {
  public:
@@ -114,8 +112,8 @@ class PhasorSink {
 
   void add_wave(size_t sum, Vec3 light, Vec3 path, Vec3 phase) {
     for (size_t line = 0; line < 3; ++line)
-      sums_[sum][line] += std::sqrt(line_of(light, line)) *
-                          phase_factor(line_of(path, line), scene_.lines.wavelengths[line], line_of(phase, line));
+      sums_[sum][line] += std::sqrt(component(light, line)) *
+                          phase_factor(component(path, line), scene_.lines.wavelengths[line], component(phase, line));
   }
 
   void add_to_alike(const Alike& way) {

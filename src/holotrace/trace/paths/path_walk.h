@@ -97,7 +97,6 @@ class PathWalk {
       lines = scene_.lines_of(hero_);
     }
     for (;;) {
-      if (scene_.parts(material())) part();
       const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, lines);
       // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
@@ -220,6 +219,15 @@ class PathWalk {
 
   PathVertex vertex() const { return {point_, outgoing_, state_, depth_, aim_, throughput_, hero_}; }
 
+  /// Whether light of different lines leaves a surface of dispersive glass in different directions by chance: all of it, where
+  /// microfacets bend it. A smooth one reflects all lines alike.
+  static bool bends_in_facets(const DielectricBsdf& b) { return !b.is_smooth(); }
+  static bool bends_in_facets(const PrincipledBsdf& b) { return b.glass > 0 && bends_in_facets(b.solid); }
+  template <class B>
+  static bool bends_in_facets(const B&) {
+    return false;
+  }
+
   /// From here on the path carries the light of its hero alone, for all three lines: it is not more light.
   void part() {
     throughput_ *= hero_.parting;
@@ -274,6 +282,8 @@ class PathWalk {
   template <class B>
   std::optional<BsdfSample> scatter(const B& bsdf, LowDiscrepancy& numbers) {
     const LobeSet has = lobes(bsdf);
+    const bool parts = scene_.parts(material());
+    if (parts && bends_in_facets(bsdf)) part();
     const bool asks_at_end = scene_.params.asks_at_end && depth_ < scene_.params.max_depth;
     if (common_)
       numbers.skip(std::exchange(common_, nullptr)->dimensions);
@@ -300,6 +310,7 @@ class PathWalk {
       return std::nullopt;
     }
     throughput_ *= 1 / goes_on;
+    if (parts && next->is_transmission && next->lobe == Lobe::specular) part();
     if constexpr (Sink::follows_polarization)
       sink_.seen.pass(polarization_of(bsdf, outgoing_, next->direction, next->lobe), outgoing_);
     return next;

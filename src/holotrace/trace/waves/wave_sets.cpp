@@ -24,8 +24,6 @@ bool is_laser(const Light& light) {
   return (point && point->is_laser) || (beam && beam->is_laser);
 }
 
-double at_line(Vec3 v, int line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
-
 }  // namespace
 
 std::vector<std::vector<double>> group_wavelengths(const Scene& scene, const std::vector<double>& wavelengths) {
@@ -161,14 +159,14 @@ uint64_t point_key(const TraceParams& params, const WaveSet& set, size_t i) {
 }
 
 SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight) {
-  const double share = at_line(weight, set.line);
+  const double share = component(weight, size_t(set.line));
   if (light.phasors.empty()) {
     double radiance = 0;
-    for (const int sum : set.sums) radiance += at_line(light.radiance[size_t(sum)], set.line);
+    for (const int sum : set.sums) radiance += component(light.radiance[size_t(sum)], size_t(set.line));
     return {radiance * share, 0};
   }
   std::complex<double> amplitude = 0;
-  for (const int sum : set.sums) amplitude += light.phasors[size_t(sum)][size_t(set.line)];
+  for (const int sum : set.sums) amplitude += light.phasors[size_t(sum)][size_t(size_t(set.line))];
   return {std::norm(amplitude) * share, set.has_laser ? std::arg(amplitude) : 0};
 }
 
