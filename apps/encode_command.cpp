@@ -14,8 +14,8 @@
 #include "flags.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/output.h"
 #include "holotrace/io/picture/chart_file.h"
@@ -66,6 +66,14 @@ EncodeJob job_of_stack_file(const std::string& path, Outside outside, const Slm&
   return job_of_stack(load_focal_stack(path, outside), slm, wavelengths, params);
 }
 
+EncodeJob job_of_light_field_file(const std::string& path, Outside outside, const Slm& slm,
+                                  const std::vector<double>& wavelengths, const EncodeParams& params, int frames) {
+  require(!wavelengths.empty(), "{} is a light field and has no wavelength; give --wavelength", path);
+  require(params.method == Encoding::sgd, "expected --method sgd for the light field {}; give it, or encode a field",
+          path);
+  return job_of_light_field(load_light_field(path, outside), slm, wavelengths, params, frames);
+}
+
 // The command that shows a target picture, and nothing of the light beside it, which may be brighter.
 std::string command_to_see(const std::string& output, size_t holograms, const Grid& panel, const EncodeParams& params) {
   std::string files = output;
@@ -106,8 +114,8 @@ std::vector<Hologram> blank_holograms(const EncodeJob& job, int frames, const Sl
 }  // namespace
 
 void add_encode_command(CLI::App& app, const GlobalFlags& global) {
-  CLI::App* command =
-      app.add_subcommand("encode", "hologram (levels of an SLM) from a field, a picture or a focal stack");
+  CLI::App* command = app.add_subcommand(
+      "encode", "hologram (levels of an SLM) from a field, a picture, a focal stack or a light field");
   struct Options {
     std::string input, output, slm, wavelength, report, plot, checkpoint, last;
     int frames = 1;
@@ -116,23 +124,26 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
   };
   auto o = std::make_shared<Options>();
   command
-      ->add_option("field", o->input,
-                   "field file; target picture for the planes at --target-distances; or focal stack (.h5, as render "
-                   "--focal-stack writes it)")
+      ->add_option(
+          "field", o->input,
+          "field file; target picture for the planes at --target-distances; focal stack (.h5, as render "
+          "--focal-stack writes it); or light field (.h5: views from places side by side, such as photographs)")
       ->required()
-      ->type_name("FIELD|PICTURE|STACK");
+      ->type_name("FIELD|PICTURE|STACK|LIGHTFIELD");
   add_output(
       *command, o->output,
       "hologram with its metadata: .png, .bmp or .tif of greys, 8 or 16 bit by its levels; .npy or .csv of levels; several frames or "
       "colours: NAME, NAME_2, …");
-  add_slm(*command, o->slm, "256 levels on the field's grid; pictures and focal stacks: pluto");
+  add_slm(*command, o->slm, "256 levels on the field's grid; pictures, focal stacks and light fields: pluto");
   command
-      ->add_option("--wavelength", o->wavelength, "wavelength of a target picture or focal stack; several for colour")
+      ->add_option("--wavelength", o->wavelength,
+                   "wavelength of a target picture, focal stack or light field; several for colour")
       ->type_name("WAVELENGTHS");
   command
-      ->add_option("--frames", o->frames,
-                   "focal stacks: number of holograms that are shown one after the other, found together so that their "
-                   "mean light is the stack's; ranks of mpirun share them [1]")
+      ->add_option(
+          "--frames", o->frames,
+          "focal stacks and light fields: number of holograms that are shown one after the other, found together so that "
+          "their mean light is that of the stack or field; ranks of mpirun share them [1]")
       ->type_name("N");
   add_report(*command, o->report);
   command->add_option("--plot", o->plot, "iterations: chart of the error after each iteration")
@@ -148,8 +159,8 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     check_output(o->output);
     if (!o->report.empty()) check_output(o->report, {".json"});
     if (!o->plot.empty()) check_output(o->plot, {".png", ".svg"});
-    const bool is_stack = is_focal_stack_file(o->input),
-               is_field = !is_stack && (!has_image_ending(o->input) || is_field_file(o->input));
+    const bool is_stack = is_focal_stack_file(o->input), is_light_field = is_light_field_file(o->input),
+               is_field = !is_stack && !is_light_field && (!has_image_ending(o->input) || is_field_file(o->input));
     params.method = method_or(params.method, is_field ? Encoding::phase : Encoding::sgd);
     require(o->plot.empty() || traits_of(params.method).aims_at_targets,
             "expected --plot with a method that iterates, gerchberg-saxton, weighted-gerchberg-saxton or sgd; "
@@ -158,13 +169,13 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     require(!checkpoints.are_kept() || params.method == Encoding::sgd,
             "expected --checkpoint only with --method sgd; use sgd, or leave out --checkpoint");
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
-    require(o->frames == 1 || is_stack || !is_there(o->input),
-            "expected --frames only with a focal stack, got {}; leave it out", o->input);
+    require(o->frames == 1 || is_stack || is_light_field || !is_there(o->input),
+            "expected --frames only with a focal stack or a light field, got {}; leave it out", o->input);
     std::vector<Field> fields;
     if (is_field) fields = load_fields(o->input, global.outside());
     require(
         !is_field || o->wavelength.empty(),
-        "expected --wavelength only with a picture or a focal stack; {} is a field and has its own wavelength; leave it "
+        "expected --wavelength only with a picture, a focal stack or a light field; {} is a field and has its own wavelength; leave it "
         "out",
         o->input);
     Slm slm;
@@ -183,7 +194,9 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
             "expected --joint only with --method sgd; use sgd, or leave out --joint");
     EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)
                     : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
-                               : job_of_picture_file(o->input, slm, wavelengths, params, console);
+                    : is_light_field
+                        ? job_of_light_field_file(o->input, global.outside(), slm, wavelengths, params, o->frames)
+                        : job_of_picture_file(o->input, slm, wavelengths, params, console);
     job.last = load_last(o->last);
     job.checkpoint_of = [&](size_t i) { return checkpoints.of(i); };
     RankLinks links(*global.ranks, global.threads);
@@ -209,7 +222,7 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));
     checkpoints.remove();
     if (!global.is_quiet) print_effects_left_out(slm, params);
-    const bool is_picture = !is_field && !is_stack;
+    const bool is_picture = !is_field && !is_stack && !is_light_field;
     if (is_picture && !params.target_distances.empty() && !o->panel.are_given() && !global.is_quiet)
       fmt::print("to see the picture: {}\n", command_to_see(o->output, holograms.size(), slm.grid, params));
   });

@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "console.h"
 #include "flags.h"
-#include "holotrace/io/field/focal_stack_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/folders.h"

@@ -67,6 +67,15 @@ std::vector<Hologram> encode_stack(const FocalStack& stack, const Slm& slm, nb::
                      [&](const Observer&) { return job_of_stack(stack, slm, colours, params); });
 }
 
+std::vector<Hologram> encode_light_field(const LightField& light, const Slm& slm, nb::handle wavelengths, int frames,
+                                         const std::vector<Hologram>& last, const nb::dict& given, Watch& watch) {
+  const EncodeParams params = encode_params(given, Encoding::sgd);
+  const std::vector<double> colours = to_wavelengths(wavelengths);
+  check_named(frames, range::at_least(1), Quantity::count, "frames");
+  return encode_with(params, slm, frames, watch, last,
+                     [&](const Observer&) { return job_of_light_field(light, slm, colours, params, frames); });
+}
+
 }  // namespace
 
 void bind_encode_verbs(nb::module_& module) {
@@ -74,6 +83,7 @@ void bind_encode_verbs(nb::module_& module) {
              nb::arg("params"), nb::arg("watch"));
   module.def("encode_picture", &encode_picture);
   module.def("encode_stack", &encode_stack);
+  module.def("encode_light_field", &encode_light_field);
 }
 
 }  // namespace holotrace::python

@@ -4,7 +4,7 @@
 
 #include "arrays.h"
 #include "holotrace/denoise/denoise.h"
-#include "holotrace/io/field/focal_stack_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "holotrace/view/camera.h"
 #include "nouns.h"
@@ -41,6 +41,24 @@ FocalStack make_stack(const std::vector<Image>& pictures, nb::handle distances, 
   stack.grid = {pictures.front().nx, pictures.front().ny, to_length(pitch, "pitch")};
   check_focal_stack(stack);
   return stack;
+}
+
+LightField make_light_field(const std::vector<Image>& views, int columns, nb::handle cell, nb::handle pitch,
+                            nb::handle distance, nb::handle lens_z) {
+  require(!views.empty() && columns > 0 && views.size() % size_t(columns) == 0,
+          "expected the views of one cell or more in a light field, as rows of as many columns each, got {}",
+          views.size());
+  LightField field;
+  field.columns = columns;
+  field.rows = int(views.size()) / columns;
+  field.lens = {columns, field.rows, to_length(cell, "cell")};
+  field.lens_z = to_length(lens_z, "lens_z");
+  field.plane = {views.front().nx, views.front().ny, to_length(pitch, "pitch")};
+  field.distance = to_length(distance, "distance");
+  field.views = views;
+  check_light_field(field);
+  check_radiance(field);
+  return field;
 }
 
 Image denoise_image(const Image& image, const Image* albedo, const Image* normals, bool is_fast, Watch& watch) {
@@ -86,6 +104,25 @@ void bind_pictures(nb::module_& module) {
   stack.def("save", [](const FocalStack& s, const std::string& path) {
     const nb::gil_scoped_release release;
     save_focal_stack(path, s);
+  });
+  nb::class_<LightField> light_field(module, "LightField");
+  bind_bytes<LightField>(light_field);
+  light_field.def_static("make", &make_light_field, nb::arg("views"), nb::arg("columns"), nb::arg("cell").none(),
+                         nb::arg("pitch").none(), nb::arg("distance").none(), nb::arg("lens_z").none());
+  light_field.def_ro("columns", &LightField::columns);
+  light_field.def_ro("rows", &LightField::rows);
+  light_field.def_prop_ro("cell", &LightField::cell_width);
+  light_field.def_ro("lens_z", &LightField::lens_z);
+  light_field.def_prop_ro("pitch", [](const LightField& f) { return f.plane.pitch; });
+  light_field.def_ro("distance", &LightField::distance);
+  light_field.def_ro("views", &LightField::views);
+  light_field.def("save", [](const LightField& f, const std::string& path) {
+    const nb::gil_scoped_release release;
+    save_light_field(path, f);
+  });
+  module.def("load_light_field", [](const std::string& path, bool allow_outside) {
+    const nb::gil_scoped_release release;
+    return load_light_field(path, allow_outside ? Outside::allowed : Outside::refused);
   });
   module.def("load_focal_stack", [](const std::string& path, bool allow_outside) {
     const nb::gil_scoped_release release;

@@ -26,7 +26,7 @@ from ._figures import (
     register,
 )
 from ._holograms import Hologram, Slm, load_hologram
-from ._images import DepthImage, FocalStack, Image, load_depth_image, load_focal_stack, load_image
+from ._images import DepthImage, FocalStack, Image, LightField, load_depth_image, load_focal_stack, load_image, load_light_field
 from ._lights import Light
 from ._progress import ResultWarning, set_threads
 from ._scenes import Scene, fields, focal_stack, load_scene, render, render_pair, trace
@@ -42,6 +42,7 @@ __all__ = [
     "Hologram",
     "Image",
     "Light",
+    "LightField",
     "ResultWarning",
     "Run",
     "Scene",
@@ -70,6 +71,7 @@ __all__ = [
     "load_focal_stack",
     "load_hologram",
     "load_image",
+    "load_light_field",
     "load_run",
     "load_scene",
     "load_sources",

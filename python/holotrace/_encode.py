@@ -14,7 +14,7 @@ from ._arrays import array_of
 from ._checked import count, table
 from ._fields import Field, Path, Sources
 from ._holograms import Hologram
-from ._images import FocalStack, Image
+from ._images import FocalStack, Image, LightField
 from ._noun import Noun
 from ._parameters import takes
 from ._progress import Progress, watching
@@ -22,8 +22,11 @@ from ._scenes import Scene
 from ._units import Lengths, format_length
 from ._waves import Panel, a, panel
 
-#: What a hologram is made from: the field on the panel, a target picture (also as an array), or a focal stack.
-Target = Union[Field, Image, FocalStack, np.ndarray[Any, Any]]
+#: What a hologram is made from: the field on the panel, a target picture (also as an array), a focal stack or a light field.
+Target = Union[Field, Image, FocalStack, LightField, np.ndarray[Any, Any]]
+
+#: Nouns without a wavelength, by their names in messages.
+_PICTURES = {Image: "picture", FocalStack: "focal stack", LightField: "light field"}
 
 _WHITES = ("white", "render_white", "sweep_white", "stereo_white")
 
@@ -49,27 +52,27 @@ def _encode(
     params: Mapping[str, Any],
 ) -> List[Hologram]:
     before = _cores_of(last)
-    if count(frames, "frames", least=1) != 1 and not isinstance(target, FocalStack):
-        raise _core.Error("expected frames only with a focal stack; leave it out")
+    if count(frames, "frames", least=1) != 1 and not isinstance(target, (FocalStack, LightField)):
+        raise _core.Error("expected frames only with a focal stack or a light field; leave it out")
     if isinstance(target, (str, os.PathLike)):
-        raise _core.Error(f"expected a field, a picture or a focal stack to encode, got a path; read it with ht.load_image({os.fspath(target)!r})")
+        raise _core.Error(f"expected a field, a picture, a focal stack or a light field to encode, got a path; read it with ht.load_image({os.fspath(target)!r})")
     fields = isinstance(target, (list, tuple)) and any(isinstance(one, Noun) for one in target)
     is_for_pictures = wavelength is not None or params.get("target_distances") is not None
     if is_for_pictures and not isinstance(target, Noun) and not fields:
         target = Image(array_of(target, "a target picture"))
     with watching(progress, level=5) as watch:
-        if isinstance(target, (Image, FocalStack)):
-            kind = "picture" if isinstance(target, Image) else "focal stack"
+        if isinstance(target, tuple(_PICTURES)):
             if wavelength is None:
-                raise _core.Error(f"a {kind} has no wavelength; give its wavelength")
+                raise _core.Error(f"a {_PICTURES[type(target)]} has no wavelength; give its wavelength")
             device = panel(slm if slm is not None else "pluto")._core
-            if isinstance(target, FocalStack):
-                cores = _core.encode_stack(target._core, device, wavelength, frames, before, dict(params), watch.core)
+            if isinstance(target, (FocalStack, LightField)):
+                of_many = _core.encode_stack if isinstance(target, FocalStack) else _core.encode_light_field
+                cores = of_many(target._core, device, wavelength, frames, before, dict(params), watch.core)
             else:
                 cores = _core.encode_picture(target._core, device, wavelength, before, dict(params), watch.core)
         else:
             if wavelength is not None:
-                raise _core.Error("expected a wavelength only with a picture or a focal stack; a field has its own")
+                raise _core.Error("expected a wavelength only with a picture, a focal stack or a light field; a field has its own")
             given = [target] if isinstance(target, Noun) or not isinstance(target, Sequence) else target
             single = [a(Field, one, "to encode").as_single() for one in given]
             device = None if slm is None else panel(slm)._core
@@ -87,10 +90,10 @@ def encode(
     progress: Progress = None,
     **params: Any,
 ) -> Hologram:
-    """The hologram, levels of an SLM, of a field, a target picture or a focal stack.
+    """The hologram, levels of an SLM, of a field, a target picture, a focal stack or a light field.
 
-    ``slm`` is the panel; None: 256 levels on the field's grid, or ``"pluto"`` for pictures and stacks. ``wavelength`` is
-    that of a picture or a stack, which have none. Pictures are shown at ``target_distances``; an array of linear light is one,
+    ``slm`` is the panel; None: 256 levels on the field's grid, or ``"pluto"`` for the others. ``wavelength`` is
+    that of a picture, a stack or a light field, which have none. Pictures are shown at ``target_distances``; an array of linear light is one,
     if a wavelength is given.
 
     ``last`` is the hologram of the last picture of a film: with ``method="sgd"`` the iterations go on from its levels, and need a

@@ -1,4 +1,4 @@
-"""Image, DepthImage and FocalStack."""
+"""Image, DepthImage, FocalStack and LightField."""
 
 from __future__ import annotations
 
@@ -229,3 +229,89 @@ class FocalStack(ArrayNoun):
 def load_focal_stack(path: Path, *, allow_outside: bool = False) -> FocalStack:
     """The focal stack of an .h5 file."""
     return FocalStack._of(_core.load_focal_stack(os.fspath(path), allow_outside))
+
+
+class LightField(ArrayNoun):
+    """Pictures of one scene from places side by side, such as photographs by an array of cameras. All show one plane, pixel by pixel.
+
+    ``np.asarray(light_field)`` is a copy of the shape (rows, columns, pixel rows, pixel columns[, 3]).
+
+    Parameters
+    ----------
+    views : array of the shape (rows, columns, pixel rows, pixel columns[, 3])
+        Linear radiance [W/m2/sr] of each cell's view; the first row is the upper one. A view is what is seen from the middle of its cell:
+        its pixels are in the common plane, so that what lies there is at the same pixel in all views.
+    cell : length
+        Distance from one cell to the next, along both axes. The cells are centred on the panel's axis.
+    pitch : length
+        Pixel pitch in the common plane.
+    distance : length
+        Distance of that plane behind the panel.
+    lens_z : length
+        Place of the cells: on the panel (0), or so far in front of it, such as where eyes look from.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, views: Any, cell: Length, pitch: Length, distance: Length, lens_z: Length = 0.0) -> None:
+        array = array_of(views, "the views of a light field")
+        if array.ndim not in (4, 5):
+            raise _core.Error(
+                "expected views of the shape (rows, columns, pixel rows, pixel columns) or (rows, columns, pixel rows, pixel columns, 3), "
+                f"got {array.shape}"
+            )
+        images = [Image(view)._core for row in array for view in row]
+        self._core = _core.LightField.make(images, array.shape[1], cell, pitch, distance, lens_z)
+        self.facts = {}
+
+    @property
+    def _values(self) -> np.ndarray[Any, Any]:
+        core = self._core
+        array: np.ndarray[Any, Any] = np.stack([view.pixels for view in core.views])
+        return array.reshape((core.rows, core.columns) + array.shape[1:])
+
+    @property
+    def cell(self) -> float:
+        """[m]"""
+        return float(self._core.cell)
+
+    @property
+    def lens_z(self) -> float:
+        """[m]"""
+        return float(self._core.lens_z)
+
+    @property
+    def pitch(self) -> float:
+        """[m]"""
+        return float(self._core.pitch)
+
+    @property
+    def distance(self) -> float:
+        """[m]"""
+        return float(self._core.distance)
+
+    def save(self, path: Path) -> None:
+        """Write .h5."""
+        self._core.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        rows, columns = self._core.views[0].pixels.shape[:2]
+        return (
+            f"LightField({self._core.columns} x {self._core.rows} views of {columns} x {rows}, {format_length(self.cell)} apart, "
+            f"plane at {format_length(self.distance)})"
+        )
+
+    def _repr_html_(self) -> str:
+        core = self._core
+        first, middle, last = 0, len(core.views) // 2, len(core.views) - 1
+        white = float(_core.common_white(core.views, 0.0))
+        pictures = [
+            (f"row {k // core.columns + 1}, column {k % core.columns + 1}", _picture.grey(_picture.reduced(core.views[k].pixels), white))
+            for k in sorted({first, middle, last})
+        ]
+        return _picture.page(repr(self), pictures)
+
+
+def load_light_field(path: Path, *, allow_outside: bool = False) -> LightField:
+    """The light field of an .h5 file."""
+    return LightField._of(_core.load_light_field(os.fspath(path), allow_outside))

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "end_to_end/scenes.h"
-#include "holotrace/io/field/focal_stack_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/picture/image_file.h"
 #include "support/program.h"
 

@@ -11,7 +11,7 @@
 
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/focal_stack_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/field/hologram_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/ply.h"

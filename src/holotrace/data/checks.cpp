@@ -204,35 +204,76 @@ void check_chart(const Chart& chart) {
   }
 }
 
+namespace {
+
+/// Pictures of radiance that belong together, in one or three channels. `name` is that of picture k in messages.
+template <class Name>
+void check_sizes(const std::vector<Image>& pictures, const Grid& grid, const Name& name) {
+  const int channels = pictures.front().channels;
+  require(channels == 1 || channels == 3, "expected 1 or 3 channels in {}, got {}", name(0), channels);
+  for (size_t k = 0; k < pictures.size(); ++k) {
+    const Image& picture = pictures[k];
+    require(picture.nx == grid.nx && picture.ny == grid.ny && picture.channels == channels &&
+                picture.values.size() == size_t(grid.pixels()) * size_t(channels),
+            "expected {} x {} pixels and {} channel(s) in {}, got {} x {} and {}", grid.nx, grid.ny, channels, name(k),
+            picture.nx, picture.ny, picture.channels);
+  }
+}
+
+template <class Name>
+void check_radiance(const std::vector<Image>& pictures, const Name& name) {
+  const auto is_radiance = [](float value) { return std::isfinite(value) && value >= 0; };
+  // The first value of each picture that is no radiance; 0 if all are.
+  std::vector<float> strange(pictures.size(), 0);
+  parallel_for(0, int64_t(strange.size()), [&](int64_t k) {
+    const std::vector<float>& values = pictures[size_t(k)].values;
+    const auto found = std::find_if_not(values.begin(), values.end(), is_radiance);
+    if (found != values.end()) strange[size_t(k)] = *found;
+  });
+  for (size_t k = 0; k < strange.size(); ++k)
+    require(strange[k] == 0, "expected finite radiance of 0 or more in {}, got {}", name(k), strange[k]);
+}
+
+std::string plane_name(size_t k) { return fmt::format("plane {} of the focal stack", k + 1); }
+
+std::string view_name(const LightField& field, size_t k) {
+  return fmt::format("the view of column {} and row {} of the light field", k % size_t(field.columns) + 1,
+                     k / size_t(field.columns) + 1);
+}
+
+}  // namespace
+
 void check_focal_stack(const FocalStack& stack) {
   check_grid(stack.grid);
   require(!stack.distances.empty(), "expected a focal stack of at least one plane, got none");
   require(stack.pictures.size() == stack.distances.size(),
           "expected a picture for each of the {} planes of the focal stack, got {}", stack.distances.size(),
           stack.pictures.size());
-  const int channels = stack.pictures.front().channels;
-  require(channels == 1 || channels == 3, "expected a focal stack of 1 or 3 channels, got {}", channels);
-  for (size_t k = 0; k < stack.pictures.size(); ++k) {
+  for (size_t k = 0; k < stack.distances.size(); ++k)
     require(std::isfinite(stack.distances[k]) && stack.distances[k] != 0,
             "expected plane {} of the focal stack behind the panel or in front of it, got {}", k + 1,
             format_length(stack.distances[k]));
-    const Image& picture = stack.pictures[k];
-    require(picture.nx == stack.grid.nx && picture.ny == stack.grid.ny && picture.channels == channels &&
-                picture.values.size() == size_t(stack.grid.pixels()) * size_t(channels),
-            "expected {} x {} pixels and {} channel(s) in plane {} of the focal stack, got {} x {} and {}",
-            stack.grid.nx, stack.grid.ny, channels, k + 1, picture.nx, picture.ny, picture.channels);
-  }
-  const auto is_radiance = [](float value) { return std::isfinite(value) && value >= 0; };
-  // The first value of each plane that is no radiance; 0 if all are.
-  std::vector<float> strange(stack.pictures.size(), 0);
-  parallel_for(0, int64_t(strange.size()), [&](int64_t k) {
-    const std::vector<float>& values = stack.pictures[size_t(k)].values;
-    const auto found = std::find_if_not(values.begin(), values.end(), is_radiance);
-    if (found != values.end()) strange[size_t(k)] = *found;
-  });
-  for (size_t k = 0; k < strange.size(); ++k)
-    require(strange[k] == 0, "expected finite radiance of 0 or more in plane {} of the focal stack, got {}", k + 1,
-            strange[k]);
+  check_sizes(stack.pictures, stack.grid, plane_name);
+  check_radiance(stack.pictures, plane_name);
+}
+
+void check_light_field(const LightField& field) {
+  check_grid(field.plane);
+  check_grid(field.lens);
+  require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
+          "expected a light field with a picture for each of its {} × {} cells, got {}", field.columns, field.rows,
+          field.views.size());
+  require(std::isfinite(field.lens_z) && field.lens_z >= 0,
+          "expected the cells of the light field on the panel or in front of it, got them {} behind it",
+          format_length(-field.lens_z));
+  require(std::isfinite(field.distance) && field.distance + field.lens_z != 0,
+          "expected a light field in a plane other than that of its lens, got one at {}",
+          format_length(field.distance));
+  check_sizes(field.views, field.plane, [&](size_t k) { return view_name(field, k); });
+}
+
+void check_radiance(const LightField& field) {
+  check_radiance(field.views, [&](size_t k) { return view_name(field, k); });
 }
 
 namespace {

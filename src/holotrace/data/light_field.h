@@ -26,6 +26,13 @@ struct LightField {
   double top() const { return lens.centre_y + lens.height() / 2; }  ///< upper side of the lens [m]
 };
 
+/// @throws Error unless the light field has cells, for each a picture of the size of its plane with one number of channels, 1 or
+///         3, a lens that is not behind the panel, and a plane at a finite distance that is not that of the lens.
+void check_light_field(const LightField& field);
+
+/// @throws Error for a view with a value that is not finite, or below 0
+void check_radiance(const LightField& field);
+
 /// Pictures of one scene in several planes behind the panel or in front of it, each with that plane in focus. The panel is the lens: a
 /// pixel is the mean radiance of the rays that leave the panel and, followed backwards, cross the pixel.
 struct FocalStack {

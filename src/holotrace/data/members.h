@@ -74,6 +74,16 @@ void members(Archive& archive, FocalStack& noun) {
   archive(keys_of(grid), required_key("distances_m", distances), pictures);
 }
 
+// The cells of a file are squares.
+template <class Archive>
+void members(Archive& archive, LightField& noun) {
+  auto& [panel, lens, lens_z, columns, rows, plane, distance, views] = noun;
+  archive(panel.nx, panel.ny, panel.pitch, panel.centre_x, panel.centre_y, lens.nx, lens.ny,
+          required_key("cell_m", lens.pitch), key_if_set("lens_x_m", lens.centre_x),
+          key_if_set("lens_y_m", lens.centre_y), key("lens_z_m", lens_z), columns, rows, keys_of(plane),
+          required_key("distance_m", distance), views);
+}
+
 template <class Archive>
 void members(Archive& archive, DepthImage& noun) {
   auto& [picture, depth] = noun;

@@ -11,8 +11,8 @@
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/focal_stack_file.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/field/metadata.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
@@ -223,17 +223,33 @@ Json describe(const Image& image) {
           {"greatest", double(*greatest)}};
 }
 
-Json describe(const FocalStack& stack) {
+double greatest_in(const std::vector<Image>& pictures) {
   float greatest = 0;
-  for (const Image& picture : stack.pictures)
+  for (const Image& picture : pictures)
     greatest = std::max(greatest, *std::max_element(picture.values.begin(), picture.values.end()));
+  return greatest;
+}
+
+Json describe(const LightField& field) {
+  return {{"kind", "light field"},
+          {"views", size_text(field.columns, field.rows)},
+          {"cell", format_length(field.cell_width())},
+          {"cells_at_z", format_length(field.lens_z)},
+          {"distance", format_length(field.distance)},
+          {"pixels", size_text(field.plane.nx, field.plane.ny)},
+          {"pitch", format_length(field.plane.pitch)},
+          {"channels", field.views.front().channels},
+          {"greatest_w_per_m2_sr", greatest_in(field.views)}};
+}
+
+Json describe(const FocalStack& stack) {
   return {{"kind", "focal stack"},
           {"planes", stack.pictures.size()},
           {"distances", lengths_text(stack.distances)},
           {"pixels", size_text(stack.grid.nx, stack.grid.ny)},
           {"pitch", format_length(stack.grid.pitch)},
           {"channels", stack.pictures.front().channels},
-          {"greatest_w_per_m2_sr", double(greatest)}};
+          {"greatest_w_per_m2_sr", greatest_in(stack.pictures)}};
 }
 
 Json describe(const LoadedModel& model) {
@@ -371,6 +387,7 @@ Json describe_file(const std::string& path, Outside outside) {
   }
   if (is_hologram_file(path) || is_panel_table(path)) return describe_hologram(load_hologram(path));
   if (is_focal_stack_file(path)) return describe(load_focal_stack(path, outside));
+  if (is_light_field_file(path)) return describe(load_light_field(path, outside));
   if (is_field_file(path)) return describe(load_fields_double(path, outside));
   return describe(load_image(path));
 }

@@ -8,6 +8,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/params/encode.h"
 #include "holotrace/run/eye_views.h"
+#include "holotrace/run/pipeline.h"
 #include "holotrace/slm/encode/encode.h"
 #include "holotrace/slm/encode/target.h"
 #include "holotrace/view/combine_views.h"
@@ -85,6 +86,42 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
   for (const double wavelength : wavelengths)
     job.targets.push_back({targets_of_stack(stack, slm.grid, wavelength, params.image)});
   return joined(std::move(job), params);
+}
+
+EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector<double>& wavelengths,
+                             const EncodeParams& params, int frames) {
+  require(params.method == Encoding::sgd, "expected the method sgd for a light field; use it, or encode a field");
+  check_light_field(light);
+  check_radiance(light);
+  light.panel = slm.grid;
+  auto job = std::make_shared<Job>();
+  job->slm = slm;
+  job->wavelengths = wavelengths;
+  job->encode = params;
+  job->encode.target = params.eye.empty() ? EncodeTarget::light_field : EncodeTarget::render;
+  job->encode.target_distances.clear();
+  job->trace.frames = frames;
+  SceneTargets targets;
+  targets.distances = params.target_distances.empty() ? std::vector{light.distance} : params.target_distances;
+  job->camera.distances = targets.distances;
+  *job = with_eyes(*job);
+  check_job(*job);
+  if (aims_at_eyes(*job)) {
+    for (const Vec3& eye : eyes_of(job->encode))
+      require(
+          has_light_for(light, eye, job->encode),
+          "expected a light field of all that pupils in the eyebox see, got cells over {} x {} at {} from the panel; give a "
+          "smaller eyebox, or more views",
+          format_length(light.lens.width()), format_length(light.lens.height()), format_length(light.lens_z));
+    targets.eyes = light_for_eyes(light, *job, targets.distances);
+  } else {
+    targets.planes = planes_of(light, *job, targets.distances);
+    targets.light_field = std::move(light);
+  }
+  EncodeJob made = job_of_scene(*job, targets);
+  made.distances = targets.distances;
+  made.of = std::move(job);
+  return made;
 }
 
 EncodeJob job_of_scene(const Job& job, const SceneTargets& targets) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "holotrace/base/observer.h"
@@ -31,6 +32,7 @@ struct EncodeJob {
   std::function<Checkpoint(size_t i)> checkpoint_of{};  ///< checkpoint of the i-th entry; none if empty
   std::vector<Hologram>
       last{};  ///< holograms of the last picture that sgd goes on from: for each frame, one for each entry; or none
+  std::shared_ptr<const Job> of{};  ///< that the targets refer to, unless someone else keeps it
   ProcessLinks* links = nullptr;  ///< to other processes that take frames of stacks and scenes; none: this one is alone
   /// Told the frames of each entry at the end of its stage.
   std::function<void(const std::vector<Hologram>&, const Observer&)> after_entry{};
@@ -50,6 +52,14 @@ EncodeJob job_of_picture(const Image& picture, const Slm& slm, const std::vector
 /// @throws Error  for another method, for target distances beside its own, and as targets_of_stack does
 EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vector<double>& wavelengths,
                        const EncodeParams& params);
+
+/// A light field, such as photographs by an array of cameras, by the method sgd: for pupils in the eyeboxes of params.eye or, if there is
+/// none, anywhere before the panel. It is sharp where its views agree, at all depths; planes at params.target_distances, or the light field's own.
+/// @param frames  number of holograms of each wavelength, which are found together
+/// @throws Error  for another method, for a light field that does not hold all that pupils in the eyeboxes see, as check_job, and as
+///                check_light_field does
+EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector<double>& wavelengths,
+                             const EncodeParams& params, int frames);
 
 /// The light of a scene (aims_at_scene). The job must outlive the result. Curves for each eye: `light_in_eyebox`, `light_in_pupil`,
 /// `light_beside_eyebox` (light_of_eyebox).

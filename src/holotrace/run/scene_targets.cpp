@@ -15,6 +15,7 @@
 #include "holotrace/trace/depth_range.h"
 #include "holotrace/trace/focal_stack.h"
 #include "holotrace/view/combine_views.h"
+#include "holotrace/view/pupil_picture.h"
 
 namespace holotrace {
 namespace {
@@ -317,6 +318,34 @@ void add_views_of_eyes(const SceneTargets& targets, const Job& job, const std::v
 }
 
 }  // namespace
+
+std::shared_ptr<const KeptEyeLight> light_for_eyes(const LightField& light, const Job& job,
+                                                   const std::vector<double>& distances) {
+  auto kept = std::make_shared<KeptEyeLight>();
+  kept->distances = distances;
+  for (const double wavelength : job.wavelengths) {
+    kept->lights.push_back({wavelength, {}});
+    for (const Vec3& eye : eyes_of(job.encode))
+      kept->lights.back().lights.push_back(light_for_pupil(light, wavelength, pupil_of(job.encode), eye.z));
+  }
+  return kept;
+}
+
+FocalStack planes_of(const LightField& light, const Job& job, const std::vector<double>& distances) {
+  FocalStack stack{job.slm.grid, distances, {}};
+  const double wavelength = shared_wavelength(job);
+  for (const double distance : distances) {
+    // A pupil far away, through which all rays from the panel pass.
+    const double away = 1e3 * std::max(std::abs(distance), light.lens_z),
+                 needed = 2 * (job.slm.grid.width() + job.slm.grid.height() +
+                               2 * box_radius(std::abs(distance) + light.lens_z, wavelength, job.slm.grid.pitch));
+    const double share = (distance + light.lens_z) / (distance + away);
+    stack.pictures.push_back(
+        picture_through(light, wavelength, job.slm.grid, distance, {{0, 0, away}, 2 * needed / std::abs(share)})
+            .radiance);
+  }
+  return stack;
+}
 
 bool aims_at_scene(const Job& job) {
   return job.encode.method == Encoding::sgd &&

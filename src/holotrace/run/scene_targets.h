@@ -101,6 +101,13 @@ struct SceneTargets {
   std::shared_ptr<const KeptEyeLight> eyes{};  ///< for views through the pupils of eyes
 };
 
+/// The light for each eye of a job out of a light field that has all of it (has_light_for), in each wavelength.
+std::shared_ptr<const KeptEyeLight> light_for_eyes(const LightField& light, const Job& job,
+                                                   const std::vector<double>& distances);
+
+/// Pictures of a light field with the whole panel as the lens, in planes at distances from it.
+FocalStack planes_of(const LightField& light, const Job& job, const std::vector<double>& distances);
+
 /// Traces the targets: with eyes what they see, else planes and, with the target light-field, views through pupils anywhere. Planes
 /// and light field are denoised as job.encode.denoise says.
 /// Facts: those of trace_scene_views and denoise_targets; `target_planes`, their number; `nearest_plane` and `farthest_plane` [m]. Warns of planes

@@ -150,25 +150,6 @@ double add_cells(const LightField& field, const AxisCells& x, const AxisCells& y
   return total;
 }
 
-void check_light_field(const LightField& field) {
-  check_grid(field.panel);
-  check_grid(field.lens);
-  check_grid(field.plane);
-  require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
-          "expected a light field with a picture for each of its {} x {} cells, got {}", field.columns, field.rows,
-          field.views.size());
-  require(std::isfinite(field.distance) && field.distance + field.lens_z != 0,
-          "expected a light field in a plane other than that of its lens, got one at {}",
-          format_length(field.distance));
-  const int channels = field.views.front().channels;
-  for (const Image& view : field.views)
-    require(view.nx == field.plane.nx && view.ny == field.plane.ny && view.channels == channels &&
-                (channels == 1 || channels == 3) &&
-                view.values.size() == size_t(field.plane.pixels()) * size_t(channels),
-            "expected pictures of {} x {} pixels and 1 or 3 channels in the light field, got {} x {} and {}",
-            field.plane.nx, field.plane.ny, view.nx, view.ny, view.channels);
-}
-
 Image make_image(const Grid& grid, int channels) {
   Image image(grid.ny, grid.nx, channels);
   image.pitch = grid.pitch;
@@ -182,6 +163,7 @@ Image make_image(const Grid& grid, int channels) {
 PupilPicture picture_through(const LightField& light_field, double wavelength, const Grid& grid, double distance,
                              const Pupil& pupil) {
   check_light_field(light_field);
+  check_grid(light_field.panel);
   check_wavelength(wavelength);
   check_grid(grid);
   check_range(pupil.diameter, range::positive, Quantity::length, " for the pupil's diameter");
