@@ -31,15 +31,15 @@ constexpr PictureDataset stack_dataset{"focal_stack", "a focal stack", "planes, 
 constexpr PictureDataset field_dataset{"light_field", "a light field", "rows, columns, pixel rows, pixel columns", 2};
 
 /// The leading dimensions, then rows, columns and channels of each picture.
-using Shape = std::vector<hsize_t>;
+using PictureShape = std::vector<hsize_t>;
 
-size_t pictures_in(const Shape& shape) {
+size_t pictures_in(const PictureShape& shape) {
   size_t count = 1;
   for (size_t i = 0; i + 3 < shape.size(); ++i) count *= size_t(shape[i]);
   return count;
 }
 
-double samples_in(const Shape& shape) {
+double picture_samples(const PictureShape& shape) {
   double samples = 1;
   for (const hsize_t size : shape) samples *= double(size);
   return samples;
@@ -47,8 +47,8 @@ double samples_in(const Shape& shape) {
 
 /// Calls transfer(shape in memory, place in the file) for picture k. @return whether it succeeded
 template <class Transfer>
-bool for_picture(hid_t data, const Shape& shape, size_t k, const Transfer& transfer) {
-  Shape start(shape.size(), 0), block = shape;
+bool for_picture(hid_t data, const PictureShape& shape, size_t k, const Transfer& transfer) {
+  PictureShape start(shape.size(), 0), block = shape;
   for (size_t i = shape.size() - 3; i-- > 0; k /= size_t(shape[i])) start[i] = k % shape[i], block[i] = 1;
   const Handle memory(H5Screate_simple(3, block.data() + shape.size() - 3, nullptr), H5Sclose);
   const Handle place(H5Dget_space(data), H5Sclose);
@@ -56,7 +56,7 @@ bool for_picture(hid_t data, const Shape& shape, size_t k, const Transfer& trans
   return transfer(memory, place) >= 0;
 }
 
-void write_pictures(const std::string& path, const PictureDataset& kind, const Shape& shape,
+void write_pictures(const std::string& path, const PictureDataset& kind, const PictureShape& shape,
                     const std::vector<Image>& pictures, const nlohmann::ordered_json& metadata) {
   const Silence silence;
   Handle file(create_hdf5(path), H5Fclose);
@@ -82,14 +82,14 @@ void write_pictures(const std::string& path, const PictureDataset& kind, const S
 }
 
 /// The shape of a dataset. @throws Error, naming the file, for another one
-Shape shape_of(hid_t data, const PictureDataset& kind, const std::string& path) {
+PictureShape picture_shape(hid_t data, const PictureDataset& kind, const std::string& path) {
   const Handle space(H5Dget_space(data), H5Sclose);
   const int found = H5Sget_simple_extent_ndims(space);
   const size_t rank = found > 0 ? size_t(found) : 0, least = kind.leading + 2;
-  Shape shape(std::max(rank, least + 1), 0);
+  PictureShape shape(std::max(rank, least + 1), 0);
   if (rank > 0) H5Sget_simple_extent_dims(space, shape.data(), nullptr);
   shape.resize(rank);
-  const Shape as_found = shape;
+  const PictureShape as_found = shape;
   if (rank == least) shape.push_back(1);
   bool fits = shape.size() == least + 1 && (shape.back() == 1 || shape.back() == 3);
   constexpr hsize_t limit = 1u << 30;
@@ -99,8 +99,8 @@ Shape shape_of(hid_t data, const PictureDataset& kind, const std::string& path) 
   return shape;
 }
 
-void send_pictures(const Hdf5Dataset& data, const Shape& shape, const std::string& path, ToParent& out) {
-  const double count = double(pictures_in(shape)), bytes = samples_in(shape) / count * sizeof(float);
+void send_pictures(const Hdf5Dataset& data, const PictureShape& shape, const std::string& path, ToParent& out) {
+  const double count = double(pictures_in(shape)), bytes = picture_samples(shape) / count * sizeof(float);
   constexpr double slowest = 1e7;  // [bytes/s]
   out.allow(10 + count * bytes / slowest, bytes + 2 * data.chunk_bytes() + double(1 << 28));
   std::vector<float> values(size_t(bytes) / sizeof(float));
@@ -127,20 +127,20 @@ Noun load_pictures(const std::string& path, const PictureDataset& kind, Outside 
     const H5T_class_t samples = H5Tget_class(type);
     require(samples == H5T_FLOAT || samples == H5T_INTEGER,
             "{}: expected real numbers in \"{}\", got another kind; convert them to float32", path, kind.name);
-    const Shape shape = shape_of(data, kind, path);
-    require_all_samples(data, samples_in(shape), path);
+    const PictureShape shape = picture_shape(data, kind, path);
+    require_all_samples(data, picture_samples(shape), path);
     for (const hsize_t size : shape) out.value(size);
     out.text(metadata_bytes(data.metadata(all_metadata<Noun>(), path)));
     send_pictures(data, shape, path, out);
   };
   read_in_child(path, read, [&](FromChild& from) {
-    Shape shape(kind.leading + 3);
+    PictureShape shape(kind.leading + 3);
     constexpr hsize_t limit = 1u << 30;  // a child whose memory is damaged may send any numbers
     for (hsize_t& size : shape) {
       size = from.value<hsize_t>();
       require(size > 0 && size < limit, "{}: expected {}, but it is damaged", path, kind.noun);
     }
-    require_memory(samples_in(shape) * sizeof(float), fmt::format("{} in {}", kind.noun, path));
+    require_memory(picture_samples(shape) * sizeof(float), fmt::format("{} in {}", kind.noun, path));
     const nlohmann::json metadata = metadata_from_bytes(from.text(), path);
     MetadataReader reader(metadata, path, fmt::format("add it in SI units, as an attribute of \"{}\"", kind.name));
     members(reader, noun);
@@ -150,7 +150,7 @@ Noun load_pictures(const std::string& path, const PictureDataset& kind, Outside 
 }
 
 /// Makes room for all pictures of a shape, with the pitch of their grid.
-std::vector<Image>& make_room(std::vector<Image>& pictures, const Shape& shape, Grid& grid) {
+std::vector<Image>& make_room(std::vector<Image>& pictures, const PictureShape& shape, Grid& grid) {
   const size_t last = shape.size() - 1;
   grid.nx = int(shape[last - 1]), grid.ny = int(shape[last - 2]);
   for (size_t k = 0; k < pictures_in(shape); ++k)
@@ -186,8 +186,8 @@ bool has_dataset(const std::string& path, const char* name) try {
 void save_focal_stack(const std::string& path, const FocalStack& stack) {
   check_focal_stack(stack);
   require(extension_of(path) == ".h5", "expected .h5 for a focal stack, got {}", path);
-  const Shape shape{stack.pictures.size(), hsize_t(stack.grid.ny), hsize_t(stack.grid.nx),
-                    hsize_t(stack.pictures.front().channels)};
+  const PictureShape shape{stack.pictures.size(), hsize_t(stack.grid.ny), hsize_t(stack.grid.nx),
+                           hsize_t(stack.pictures.front().channels)};
   write_atomically(path, [&](const std::string& temporary) {
     write_pictures(temporary, stack_dataset, shape, stack.pictures, metadata_of(stack));
   });
@@ -195,7 +195,7 @@ void save_focal_stack(const std::string& path, const FocalStack& stack) {
 
 FocalStack load_focal_stack(const std::string& path, Outside outside) {
   FocalStack stack = load_pictures<FocalStack>(
-      path, stack_dataset, outside, [&](FocalStack & read, const Shape& shape) -> auto& {
+      path, stack_dataset, outside, [&](FocalStack & read, const PictureShape& shape) -> auto& {
         require(read.distances.size() == shape[0],
                 "{}: expected {} number(s) in \"distances_m\", one per plane, got {}", path, shape[0],
                 read.distances.size());
@@ -213,8 +213,8 @@ void save_light_field(const std::string& path, const LightField& field) {
           "expected square cells in a light field to save, got {} x {} m", field.cell_width(), field.cell_height());
   LightField saved = field;
   saved.lens.pitch = field.cell_width();
-  const Shape shape{hsize_t(field.rows), hsize_t(field.columns), hsize_t(field.plane.ny), hsize_t(field.plane.nx),
-                    hsize_t(field.views.front().channels)};
+  const PictureShape shape{hsize_t(field.rows), hsize_t(field.columns), hsize_t(field.plane.ny),
+                           hsize_t(field.plane.nx), hsize_t(field.views.front().channels)};
   write_atomically(path, [&](const std::string& temporary) {
     write_pictures(temporary, field_dataset, shape, field.views, metadata_of(saved));
   });
@@ -222,7 +222,7 @@ void save_light_field(const std::string& path, const LightField& field) {
 
 LightField load_light_field(const std::string& path, Outside outside) {
   LightField field = load_pictures<LightField>(
-      path, field_dataset, outside, [](LightField & read, const Shape& shape) -> auto& {
+      path, field_dataset, outside, [](LightField & read, const PictureShape& shape) -> auto& {
         read.rows = read.lens.ny = int(shape[0]);
         read.columns = read.lens.nx = int(shape[1]);
         return make_room(read.views, shape, read.plane);

@@ -158,12 +158,7 @@ class DirectLight {
         if (is_in_lanes && !is_chosen) continue;
         const SurfacePoint point = surfaces.point(i);
         const DiffuseBsdf bsdf{point.normal, point.geometric_normal, paths.throughput[i], {}};
-        const PathVertex at{.point = point,
-                            .outgoing = {},
-                            .state = state,
-                            .depth = depth,
-                            .aim = aim,
-                            .hero = scene_.hero_of(numbers, paths.number[i])};
+        const PathVertex at{point, {}, state, depth, aim, {1, 1, 1}, scene_.hero(0)};  // none has been parted
         const Vec2 u = place_of(i);
         if constexpr (Sink::is_by_path) sink_.of_path(paths.number[i]);
         if (!light.is_shared) {
@@ -264,10 +259,21 @@ class DirectLight {
            !(light.is_shared && at.point.is_particle());
   }
 
-  /// Adds the light that comes by curved mirrors, glass and several flat mirrors; from the place u of a light with an area.
+  /// Adds the light that comes by curved mirrors, glass and several flat mirrors; from the place u of a light with an area. Where glass
+  /// parts the lines, a path that has not been parted looks for the ways of all heroes.
   template <class B>
   void add_caustics(const B& bsdf, const PathVertex& at, const SampledLight& light, Vec2 u, double weight) {
     if (!has_caustics(at, light)) return;
+    if (!scene_.parts_lines || at.hero.is_parted()) return add_caustics_of_hero(bsdf, at, light, u, weight);
+    PathVertex of_hero = at;
+    for (int number = 0; number < scene_.heroes(); ++number) {
+      of_hero.hero = scene_.hero(number);
+      add_caustics_of_hero(bsdf, of_hero, light, u, weight / scene_.heroes());
+    }
+  }
+
+  template <class B>
+  void add_caustics_of_hero(const B& bsdf, const PathVertex& at, const SampledLight& light, Vec2 u, double weight) {
     const auto* rectangle = std::get_if<RectangleLight>(light.light);
     const LampPlace lit_by{size_t(light.group), rectangle ? place_on(*rectangle, u) : Vec3{}, at.hero};
     const auto ways =

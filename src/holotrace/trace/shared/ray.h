@@ -84,8 +84,10 @@ struct Lines {
 /// Reference: A. Wilkie et al., Hero Wavelength Spectral Sampling, Comput. Graph. Forum 33(4), 2014.
 struct Hero {
   int line = 0;
-  Vec3 parting{1, 1,
-               1};  ///< factor of the light at the lines, where glass parts them; 1 on a path that has been parted
+  /// Factor of the light at the lines, where glass parts them; 1 on a path that has been parted.
+  Vec3 parting{1, 1, 1};
+
+  bool is_parted() const { return parting == Vec3{1, 1, 1}; }
 };
 
 /// The lines at three wavelengths [m]; for fewer wavelengths, repeat one.
