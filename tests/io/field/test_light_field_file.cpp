@@ -21,7 +21,8 @@ LightField some_light_field(int channels) {
                    .columns = 3,
                    .rows = 2,
                    .plane = {4, 5, 50e-6, 0, 1e-3},
-                   .distance = 0.3};
+                   .distance = 0.3,
+                   .views = {}};
   for (int k = 0; k < 6; ++k) {
     Image& view = field.views.emplace_back(5, 4, channels);
     for (size_t i = 0; i < view.values.size(); ++i) view.values[i] = 0.1f * float(i) + 100 * float(k);
