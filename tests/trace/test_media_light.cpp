@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "holotrace/data/shapes.h"
 #include "holotrace/trace/geometry/media.h"
 #include "holotrace/trace/materials/scattering_bsdf.h"
 #include "holotrace/trace/paths/specular.h"
@@ -197,42 +196,6 @@ TEST(MediaLight, LightFromInfinityComesOnlyFromTheViewersSide) {
   // Paths fly through with T = exp(−0.4) = 0.67: 4·√((1 − T)/T/n) = 0.022 of the mean for n = 64·256.
   EXPECT_NEAR(sum / double(lit.values.size()) / (0.5 * std::exp(-0.8)), 1, 0.022);
   EXPECT_TRUE(front.warnings.empty());
-}
-
-// A closed mesh whose index is that of air is no surface: its medium is lit, and seen, as that of a box.
-TEST(MediaLight, AMeshOfIndexOneIsNoSurface) {
-  const Vec3 size{20_mm, 20_mm, 20_mm}, centre{0, 0, -0.3};
-  const auto light_of = [&](double index, bool is_mesh) {
-    Scene scene;
-    add_fog(scene, Vec3{1, 1, 1} * 50, {.albedo = {1, 1, 1}}, MediumBox{centre - size * 0.5, centre + size * 0.5});
-    if (is_mesh) {
-      scene.media[0].box.reset();
-      scene.media[0].is_open = false;
-      scene.materials.emplace_back(DielectricMaterial{.index = constant_index(index)});
-      scene.materials.back().medium = 0;
-      scene.meshes = {make_box(size)};
-      scene.meshes[0].material = 1;
-      for (Vec3& p : scene.meshes[0].positions) p = p + centre;
-    }
-    scene.lights = {DirectionalLight{{0.6, 0, -0.8}, {1, 1, 1}}};
-    const PathScene path_scene(scene, Lines{}, {"EGL"}, {});
-    EXPECT_EQ(path_scene.caustics.is_empty(), index == 1);
-    Statistics statistics;
-    PathCounts counts;
-    for (uint64_t i = 0; i < 4000; ++i) {
-      LowDiscrepancy numbers(1, 0, i);
-      numbers.start(0);
-      Vec3 sum;
-      const Ray ray{{8_mm * (double(i % 20) / 10 - 1), 8_mm * (double(i / 200) / 10 - 1), -0.1}, {0, 0, -1}};
-      add_radiance(path_scene, ray, numbers, {&sum, 1}, counts);
-      statistics.add(sum.y);
-    }
-    return statistics;
-  };
-  const Statistics box = light_of(1, false), mesh = light_of(1, true);
-  EXPECT_LT(box.standard_error(), 0.03 * box.mean());
-  EXPECT_NEAR(mesh.mean(), box.mean(), 4 * std::hypot(mesh.standard_error(), box.standard_error()));
-  EXPECT_EQ(light_of(1.3, true).mean(), 0) << "glass is on the way";
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ using test::temporary;
 
 /// Three columns and two rows of views of 4 × 5 pixels; every value differs.
 LightField some_light_field(int channels) {
-  LightField field{.lens = {3, 2, 1e-3, 0.5e-3, 0},
+  LightField field{.panel = {},
+                   .lens = {3, 2, 1e-3, 0.5e-3, 0},
                    .lens_z = 0.25,
                    .columns = 3,
                    .rows = 2,

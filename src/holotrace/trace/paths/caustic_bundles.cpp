@@ -466,8 +466,7 @@ Caustics find_caustics(const PathScene& scene, int rays) {
   const bool is_all_met = std::all_of(lights.begin(), lights.end(), has_area);
   for (const Mesh& mesh : scene.scene.meshes) {
     const Material& material = scene.scene.materials[size_t(mesh.material)];
-    const bool is_left_out =
-        !is_all_met && !acts_as_its_mesh(material) && !is_invisible(material) && is_specular(material, scene.lines);
+    const bool is_left_out = !is_all_met && !acts_as_its_mesh(material) && is_specular(material, scene.lines);
     caustics.has_uneven = caustics.has_uneven || is_left_out;
   }
   const std::vector<Target> targets = find_targets(scene);

@@ -69,18 +69,8 @@ inline Vec3 eval_texture(const PlacedTexture& t, Vec2 first, Vec2 second) {
   return eval_texture(*t.image, {t.uu * u + t.uv * v + t.u0, t.vu * u + t.vv * v + t.v0});
 }
 
-/// Whether a material is the boundary of media of the same refractive index, such as snow in air: light goes through as if nothing
-/// were there.
-inline bool is_no_boundary(const Material& material) {
-  const auto* glass = std::get_if<DielectricMaterial>(&material.surface);
-  return glass && !material.emission_texture && material.emission == Vec3{} &&
-         std::all_of(glass->index.samples.begin(), glass->index.samples.end(),
-                     [](const RefractiveIndex::Sample& sample) { return sample.n == 1; });
-}
-
 /// The part of the rays that a material stops at (u, v), from 0 to 1.
 inline double opacity_at(const Material& material, Vec2 uv) {
-  if (is_no_boundary(material)) return 0;
   double opacity = material.opacity;
   if (const Image* texture = material.opacity_texture.get())
     opacity *= between_texels(*texture, uv, [&](int row, int column) { return double((*texture)(row, column)); });
@@ -89,11 +79,6 @@ inline double opacity_at(const Material& material, Vec2 uv) {
 
 /// Whether a material stops all rays.
 inline bool is_opaque(const Material& material) { return !material.opacity_texture && opacity_at(material, {}) >= 1; }
-
-/// Whether a material stops no ray.
-inline bool is_invisible(const Material& material) {
-  return !material.opacity_texture && opacity_at(material, {}) <= 0;
-}
 
 /// Whether a surface reflects differently along its tangents.
 inline bool is_brushed(const Material& material) {
