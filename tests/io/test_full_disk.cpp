@@ -9,8 +9,8 @@
 
 #include "holotrace/io/calibration/calibration_files.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/field/sources_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/picture/animation.h"

@@ -11,8 +11,8 @@
 
 #include "holotrace/io/describe_file.h"
 #include "holotrace/io/field/field_file.h"
-#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/field/hologram_file.h"
+#include "holotrace/io/field/light_field_file.h"
 #include "holotrace/io/files/file.h"
 #include "holotrace/io/files/ply.h"
 #include "holotrace/io/mesh/mesh_file.h"

@@ -279,7 +279,8 @@ TEST(PupilPicture, RefusesWhatCannotBe) {
   EXPECT_EQ(error(lacking, 0.3, {{0, 0, 0.3}, 2e-3}),
             "expected a light field with a picture for each of its 2 × 2 cells, got 3");
   lacking.views.emplace_back(3, 3, 1);
-  EXPECT_NE(error(lacking, 0.3, {{0, 0, 0.3}, 2e-3}).find("expected 64 x 48 pixels and 1 channel(s) in the view of column 2 and row 2"),
+  EXPECT_NE(error(lacking, 0.3, {{0, 0, 0.3}, 2e-3})
+                .find("expected 64 x 48 pixels and 1 channel(s) in the view of column 2 and row 2"),
             std::string::npos);
 }
 
