@@ -21,6 +21,10 @@ EYES = {"-1.5": "x = −1.5 mm", "0": "x = 0", "1.5": "x = 1.5 mm"}
 SIZE = (480, 270)
 MATERIALS = {
     "light_shafts": ("Fog, milk and skin", "A lamp shines through a grille into fog. Waves start at its particles, and inside of the milk (left) and the skin."),
+    "prism": ("A prism", "A beam over a table, parted by dense flint glass; each colour is bent by its own index."),
+    "snow": ("Snow", "Low sunlight enters the snowman and comes out elsewhere; firs stand behind it."),
+    "candle": ("Fire", "A flame of glowing soot lights wax, a glass ball before it and a wall behind it."),
+    "layered_surfaces": ("Layered surfaces", "Above: clear coat, velvet, brushed metal, thin film. Below: glass that absorbs, glass clear in half, a soap bubble, paper."),
     "sunset_optimised": ("A low sun", "The sky and its sun are infinitely far away: they are blurred where the view is sharp on the gate, then on the ball."),
 }
 

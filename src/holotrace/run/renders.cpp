@@ -101,6 +101,7 @@ Vec2 middle_of_renders(const Job& job, double distance) {
 
 RenderParams light_of_waves(const Job& job, RenderParams params) {
   params.has_background = job.trace.has_background;
+  if (job.wavelengths.size() == 1) params.glass_wavelength = job.wavelengths.front();
   if (params.path_expressions.empty()) params.path_expressions = job.trace.path_expressions;
   return params;
 }

@@ -33,8 +33,8 @@ std::vector<PlannedRender> plan_stereo_renders(const Job& job);
 /// views, or what [render] says.
 Vec2 middle_of_renders(const Job& job, double distance);
 
-/// Parameters of a render that shows the light which makes waves: that of the job's path expressions, and the background only if
-/// it makes waves, too.
+/// Parameters of a render that shows the light which makes waves: that of the job's path expressions, the background only if it makes
+/// waves, too, and with one wavelength the refractive indices at it.
 RenderParams light_of_waves(const Job& job, RenderParams params);
 
 /// Paths of a quick reference for a full one: a quarter, an even number.

@@ -13,7 +13,9 @@ PathScene make_path_scene(const Scene& scene, const RenderParams& params) {
   path_params.clamp = params.clamp;
   path_params.seed = uint64_t(params.seed);
   path_params.accelerator = params.accelerator;
-  return PathScene(scene, Lines{}, params.path_expressions, path_params);
+  Lines lines;
+  lines.glass_wavelength = params.glass_wavelength;
+  return PathScene(scene, lines, params.path_expressions, path_params);
 }
 
 namespace {

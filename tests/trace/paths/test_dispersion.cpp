@@ -6,6 +6,7 @@
 
 #include "holotrace/data/refractive_index.h"
 #include "holotrace/data/shapes.h"
+#include "holotrace/trace/materials/bsdf.h"
 #include "trace/follow.h"
 
 // Light through glass that bends red, green and blue differently: against Snell's law, and against glass that bends all as one of
@@ -181,6 +182,16 @@ TEST(Dispersion, OnlyOfLinesThatDifferNeedsAHero) {
   EXPECT_TRUE(PathScene(dispersive, Lines{}, {}, {}).parts_lines);
   EXPECT_FALSE(PathScene(dispersive, make_lines(532e-9, 532e-9, 532e-9), {}, {}).parts_lines);
   EXPECT_FALSE(PathScene(even, Lines{}, {}, {}).parts_lines);
+  // A picture in the light of one laser: its index counts for all lines, and none is lost.
+  Lines of_laser;
+  of_laser.glass_wavelength = 460e-9;
+  const PathScene blue(dispersive, of_laser, {}, {});
+  EXPECT_FALSE(blue.parts_lines);
+  SurfacePoint front;
+  front.normal = front.geometric_normal = {0, 0, 1};
+  const Bsdf bsdf = make_bsdf(dispersive.materials[1], front, blue.lines);
+  EXPECT_EQ(std::get<DielectricBsdf>(bsdf).index, 1.8);
+  EXPECT_EQ(std::get<DielectricBsdf>(bsdf).indices, (Vec3{1.8, 1.8, 1.8}));
   EXPECT_FALSE(PathScene(thin, Lines{}, {}, {}).parts_lines) << "it sends all straight on";
 }
 

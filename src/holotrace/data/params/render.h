@@ -42,6 +42,8 @@ struct RenderParams {
   Denoise denoise = Denoise::automatic;             ///< which pictures are denoised
   Reference reference = Reference::quick;  ///< of `run`: whether and how well it renders what its views should show
   int64_t seed = 1;                        ///< seed for all random numbers
+  double glass_wavelength =
+      0;  ///< where light of one wavelength alone is looked at: whose refractive indices count [m]; 0: each colour's own
 };
 
 /// Light paths per pixel of a picture.

@@ -90,7 +90,7 @@ const BoundaryLoss& boundary_loss(double exact_index, double alpha) {
 DielectricBsdf make_dielectric_bsdf(const SurfacePoint& point, const RefractiveIndex& index, const Lines& lines,
                                     double alpha, bool is_thin) {
   const auto relative = [&](size_t line) {
-    const double n = index_at(index, lines.wavelengths[line]).real();
+    const double n = index_at(index, lines.of_glass(line)).real();
     return point.is_front || is_thin ? n : 1 / n;
   };
   const auto hero = size_t(lines.hero);

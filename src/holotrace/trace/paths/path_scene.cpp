@@ -120,7 +120,7 @@ static Lines lines_for(const Scene& scene, Lines lines) {
 
 static bool bends_differently(const Scene& scene, const Lines& lines) {
   const auto& [first, second, third] = lines.wavelengths;
-  return (first != second || first != third) &&
+  return lines.glass_wavelength == 0 && (first != second || first != third) &&
          std::any_of(scene.meshes.begin(), scene.meshes.end(),
                      [&](const Mesh& mesh) { return is_dispersive(scene.materials[size_t(mesh.material)]); });
 }

@@ -81,7 +81,7 @@ bool deflect(const SpecularVertex& vertex, Ray& ray, std::span<RayChange> change
 
 SpecularVertex specular_vertex(const Scene& scene, const SurfacePoint& point, Vec3 direction, const BsdfSample& branch,
                                double index, const Lines& lines) {
-  const MediumIndices media = media_at(scene.materials[size_t(point.material)], point, lines.hero_wavelength());
+  const MediumIndices media = media_at(scene.materials[size_t(point.material)], point, lines.of_glass());
   // If one surface separates two media, the index on the incoming side is that of the ray's medium.
   const double near = media.near == media.far ? index : media.near, far = media.near == media.far ? index : media.far;
   SpecularVertex vertex{

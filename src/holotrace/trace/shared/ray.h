@@ -64,14 +64,17 @@ struct Lines {
   /// The value of a scene colour at the lines (data/spectrum.h).
   Vec3 from_rgb(Vec3 rgb) const { return {dot(weights[0], rgb), dot(weights[1], rgb), dot(weights[2], rgb)}; }
 
-  int hero = 0;  ///< the line by whose refractive index glass bends the light of all three; see Hero
+  int hero = 0;                 ///< the line by whose refractive index glass bends the light of all three; see Hero
+  double glass_wavelength = 0;  ///< at which glass has its refractive index, for all lines [m]; 0: at each line's own
 
   const ReflectanceTable* reflectances = nullptr;  ///< that of smooth spectra at these lines; none: linear ones
 
   /// The reflectance at the lines of a surface of a colour, each in [0, 1].
   Vec3 reflectance_of(Vec3 rgb) const { return reflectances ? reflectances->at(rgb) : from_rgb(rgb); }
 
-  double hero_wavelength() const { return wavelengths[size_t(hero)]; }
+  /// The wavelength of the refractive index of glass, for a line or for the hero [m].
+  double of_glass(size_t line) const { return glass_wavelength > 0 ? glass_wavelength : wavelengths[line]; }
+  double of_glass() const { return of_glass(size_t(hero)); }
 
   /// The values of a spectrum at the lines.
   Vec3 values_of(const Spectrum& spectrum) const {
