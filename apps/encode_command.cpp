@@ -67,11 +67,13 @@ EncodeJob job_of_stack_file(const std::string& path, Outside outside, const Slm&
 }
 
 EncodeJob job_of_light_field_file(const std::string& path, Outside outside, const Slm& slm,
-                                  const std::vector<double>& wavelengths, const EncodeParams& params, int frames) {
+                                  const std::vector<double>& wavelengths, const EncodeParams& params, int frames,
+                                  Console& console) {
   require(!wavelengths.empty(), "{} is a light field and has no wavelength; give --wavelength", path);
   require(params.method == Encoding::sgd, "expected --method sgd for the light field {}; give it, or encode a field",
           path);
-  return job_of_light_field(load_light_field(path, outside), slm, wavelengths, params, frames);
+  return job_of_light_field(load_light_field(path, outside), slm, wavelengths, params, frames,
+                            console.watch("light field"));
 }
 
 // The command that shows a target picture, and nothing of the light beside it, which may be brighter.
@@ -192,11 +194,11 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     console.keep_progress_in(std::filesystem::path(o->output).parent_path().string());
     require(!params.is_joint || params.method == Encoding::sgd,
             "expected --joint only with --method sgd; use sgd, or leave out --joint");
-    EncodeJob job = is_field   ? job_of_fields(std::move(fields), params)
-                    : is_stack ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
-                    : is_light_field
-                        ? job_of_light_field_file(o->input, global.outside(), slm, wavelengths, params, o->frames)
-                        : job_of_picture_file(o->input, slm, wavelengths, params, console);
+    EncodeJob job = is_field         ? job_of_fields(std::move(fields), params)
+                    : is_stack       ? job_of_stack_file(o->input, global.outside(), slm, wavelengths, params)
+                    : is_light_field ? job_of_light_field_file(o->input, global.outside(), slm, wavelengths, params,
+                                                               o->frames, console)
+                                     : job_of_picture_file(o->input, slm, wavelengths, params, console);
     job.last = load_last(o->last);
     job.checkpoint_of = [&](size_t i) { return checkpoints.of(i); };
     RankLinks links(*global.ranks, global.threads);

@@ -1,4 +1,4 @@
-// Fields and focal stacks in HDF5.
+// Fields, focal stacks and light fields in HDF5.
 #include "../reader.h"
 #include "holotrace/io/field/field_file.h"
 #include "holotrace/io/field/light_field_file.h"

@@ -72,8 +72,9 @@ std::vector<Hologram> encode_light_field(const LightField& light, const Slm& slm
   const EncodeParams params = encode_params(given, Encoding::sgd);
   const std::vector<double> colours = to_wavelengths(wavelengths);
   check_named(frames, range::at_least(1), Quantity::count, "frames");
-  return encode_with(params, slm, frames, watch, last,
-                     [&](const Observer&) { return job_of_light_field(light, slm, colours, params, frames); });
+  return encode_with(params, slm, frames, watch, last, [&](const Observer& observer) {
+    return job_of_light_field(light, slm, colours, params, frames, observer);
+  });
 }
 
 }  // namespace

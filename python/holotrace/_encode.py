@@ -116,7 +116,7 @@ def encode_all(
     progress: Progress = None,
     **params: Any,
 ) -> List[Hologram]:
-    """The holograms of several wavelengths or, of a focal stack, of several frames that are found together.
+    """The holograms of several wavelengths or, of a focal stack or a light field, of several frames that are found together.
 
     The order is that in which they are shown: for each frame, each wavelength. ``last`` has the holograms of the last picture of a
     film in the same order: see ``encode``. With ``rolling=True`` the first frame of ``last`` is left out, the others stay, and one

@@ -136,11 +136,11 @@ TEST(LowDiscrepancy, PathsTakeStrataInTurnFromARandomOneOn) {
   for (uint64_t sample = 0; sample < 3000; ++sample) {
     LowDiscrepancy sequence(1, 0, sample);
     sequence.start(0);
-    const int first = sequence.stratum(3, 0);
+    const int first = sequence.stratum(3);
     ++of_first[size_t(first)];
     for (uint32_t path = 0; path < 40; ++path) {
       sequence.start(path);
-      EXPECT_EQ(sequence.stratum(3, sequence.path_of_block()), (first + int(path)) % 3) << path;
+      EXPECT_EQ(sequence.stratum(3), (first + int(path)) % 3) << path;
     }
     EXPECT_EQ(sequence.dimension(), 0);
   }

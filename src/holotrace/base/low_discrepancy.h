@@ -125,14 +125,9 @@ class LowDiscrepancy {
     std::array<uint32_t, 16> x, y;
   };
 
-  /// One of 0 … count − 1 for a path of the current path's block: paths take them one after another, from a random one of the
-  /// sample on. Takes no dimension.
-  int stratum(int count, uint32_t path_of_block) const {
-    return int((mix(key_) + (uint64_t(block_) << 4 | path_of_block)) % uint64_t(count));
-  }
-
-  /// Number of the current path in its block.
-  uint32_t path_of_block() const { return path_; }
+  /// One of 0 … count − 1 for the current path: paths take them one after another, from a random one of the sample on. Takes no
+  /// dimension.
+  int stratum(int count) const { return int((mix(key_) + (uint64_t(block_) << 4 | path_)) % uint64_t(count)); }
 
   /// Number of dimensions that the current path has taken.
   int dimension() const { return dimension_; }

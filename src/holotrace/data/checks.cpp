@@ -259,10 +259,12 @@ void check_focal_stack(const FocalStack& stack) {
 
 void check_light_field(const LightField& field) {
   check_grid(field.plane);
-  check_grid(field.lens);
   require(field.columns >= 1 && field.rows >= 1 && field.views.size() == size_t(field.columns) * size_t(field.rows),
           "expected a light field with a picture for each of its {} × {} cells, got {}", field.columns, field.rows,
           field.views.size());
+  const double cell = field.lens.nx > 0 ? field.cell_width() : 0;
+  require(std::isfinite(cell) && cell > 0 && field.cell_height() > 0,
+          "expected cells wider than 0 m in the light field, got {} m", cell);
   require(std::isfinite(field.lens_z) && field.lens_z >= 0,
           "expected the cells of the light field on the panel or in front of it, got them {} behind it",
           format_length(-field.lens_z));

@@ -20,6 +20,9 @@ struct LightField {
   /// 1 or 3 channels, shape of `plane`.
   std::vector<Image> views;
 
+  /// The same without its pictures.
+  LightField without_views() const { return {panel, lens, lens_z, columns, rows, plane, distance, {}}; }
+
   double cell_width() const { return lens.width() / columns; }
   double cell_height() const { return lens.height() / rows; }
   double left() const { return lens.centre_x - lens.width() / 2; }  ///< left side of the lens [m]

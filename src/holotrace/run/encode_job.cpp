@@ -1,5 +1,7 @@
 #include "holotrace/run/encode_job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -88,12 +90,56 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
   return joined(std::move(job), params);
 }
 
+namespace {
+
+// Without an eye the light of the whole panel counts.
+void require_panel_of_cells(const LightField& light) {
+  const Grid &panel = light.panel, &lens = light.lens;
+  constexpr double rounding = 1e-9;
+  const double beside = std::abs(lens.centre_x - panel.centre_x), above = std::abs(lens.centre_y - panel.centre_y);
+  require(
+      light.lens_z == 0 && lens.width() / 2 - beside > panel.width() / 2 - rounding &&
+          lens.height() / 2 - above > panel.height() / 2 - rounding,
+      "expected a light field whose cells lie on the panel, over all of its {} x {}, for eyes anywhere, got cells over {} x {} at {} "
+      "before it; give an eye",
+      format_length(panel.width()), format_length(panel.height()), format_length(lens.width()),
+      format_length(lens.height()), format_length(light.lens_z));
+}
+
+void require_light_for(const LightField& light, const Vec3& eye, const Job& job) {
+  require(light.lens_z <= eye.z,
+          "expected cells of the light field that are not in front of the eye, at most {} from the panel, got {}",
+          format_length(eye.z), format_length(light.lens_z));
+  require(
+      has_light_for(light, eye, job.encode),
+      "expected a light field of all that pupils in the eyebox see, got cells over {} x {} at {} from the panel; give a smaller "
+      "eyebox, or more views",
+      format_length(light.lens.width()), format_length(light.lens.height()), format_length(light.lens_z));
+}
+
+// Beyond the edges of its pictures a light field goes on as at the edges.
+void warn_of_small_views(const LightField& light, const Job& job, const Observer& observer) {
+  for (const Vec3& eye : eyes_of(job.encode)) {
+    const Vec2 seen = size_seen(job, eye, light.distance);
+    constexpr double enough = 0.98;
+    if (light.plane.width() < enough * seen.x || light.plane.height() < enough * seen.y)
+      observer.warn(fmt::format(
+          "the views of the light field show {} x {} of their plane, of which an eye sees {} x {} through the panel: their edges are continued; "
+          "give views of a wider plane, or a smaller panel",
+          format_length(light.plane.width()), format_length(light.plane.height()), format_length(seen.x),
+          format_length(seen.y)));
+  }
+}
+
+}  // namespace
+
 EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector<double>& wavelengths,
-                             const EncodeParams& params, int frames) {
+                             const EncodeParams& params, int frames, const Observer& observer) {
   require(params.method == Encoding::sgd, "expected the method sgd for a light field; use it, or encode a field");
   check_light_field(light);
   check_radiance(light);
   light.panel = slm.grid;
+  if (params.eye.empty()) require_panel_of_cells(light);
   auto job = std::make_shared<Job>();
   job->slm = slm;
   job->wavelengths = wavelengths;
@@ -103,16 +149,18 @@ EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector
   job->trace.frames = frames;
   SceneTargets targets;
   targets.distances = params.target_distances.empty() ? std::vector{light.distance} : params.target_distances;
+  for (const double distance : targets.distances)
+    require(
+        distance != 0 && distance != -light.lens_z,
+        "expected target_distances other than those of the panel and the cells of the light field, got {}; give the distances "
+        "of what the views show",
+        format_length(distance));
   job->camera.distances = targets.distances;
   *job = with_eyes(*job);
   check_job(*job);
   if (aims_at_eyes(*job)) {
-    for (const Vec3& eye : eyes_of(job->encode))
-      require(
-          has_light_for(light, eye, job->encode),
-          "expected a light field of all that pupils in the eyebox see, got cells over {} x {} at {} from the panel; give a "
-          "smaller eyebox, or more views",
-          format_length(light.lens.width()), format_length(light.lens.height()), format_length(light.lens_z));
+    for (const Vec3& eye : eyes_of(job->encode)) require_light_for(light, eye, *job);
+    warn_of_small_views(light, *job, observer);
     targets.eyes = light_for_eyes(light, *job, targets.distances);
   } else {
     targets.planes = planes_of(light, *job, targets.distances);

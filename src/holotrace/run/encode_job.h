@@ -21,7 +21,7 @@
 
 namespace holotrace {
 
-/// What holograms are made from, whatever it was: fields, a target picture, a focal stack or the light of a scene. There is one
+/// What holograms are made from, whatever it was: fields, a target picture, a focal stack, a light field or the light of a scene. There is one
 /// entry for each wavelength, or with params.is_joint one for all wavelengths.
 struct EncodeJob {
   std::vector<double> wavelengths;  ///< wavelength of each entry, the first of a joint one [m]
@@ -59,7 +59,7 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
 /// @throws Error  for another method, for a light field that does not hold all that pupils in the eyeboxes see, as check_job, and as
 ///                check_light_field does
 EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector<double>& wavelengths,
-                             const EncodeParams& params, int frames);
+                             const EncodeParams& params, int frames, const Observer& observer = {});
 
 /// The light of a scene (aims_at_scene). The job must outlive the result. Curves for each eye: `light_in_eyebox`, `light_in_pupil`,
 /// `light_beside_eyebox` (light_of_eyebox).
@@ -70,7 +70,7 @@ EncodeJob job_of_scene(const Job& job, const SceneTargets& targets);
 Slm panel_for(const Grid& grid, Encoding method);
 
 /// The holograms of a job: for each frame, one for each entry. Stages: "encode", or "encode 532 nm" for each of several.
-/// @param frames  focal stacks and scenes: number of holograms of each entry, found together
+/// @param frames  focal stacks, light fields and scenes: number of holograms of each entry, found together
 /// @throws Error  as encode, encode_targets and encode_frames do, and for another number of last holograms
 std::vector<Hologram> encode_job(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params,
                                  Report& report, const StageObserver& watch = {});

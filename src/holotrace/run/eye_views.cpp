@@ -166,6 +166,10 @@ bool has_light_for(const LightField& light, const Vec3& eye, const EncodeParams&
          part.high.y < light.top() + rounding;
 }
 
+Vec2 size_seen(const Job& job, const Vec3& eye, double distance) {
+  return seen_size(job, covered_part(eye, job.encode), eye.z, distance);
+}
+
 double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk) {
   constexpr double floats_of_sums = 4, of_picture = 3;
   return (floats_of_sums + of_picture) * sizeof(float) * pixels_of(field_for(job, distance, walk));

@@ -46,6 +46,9 @@ std::vector<EyeLight> trace_eye_light(const Job& job, double distance, const Ren
 /// Whether a light field holds all that pupils in the eyebox of an eye see.
 bool has_light_for(const LightField& light, const Vec3& eye, const EncodeParams& params);
 
+/// Width and height of what pupils in the eyebox of an eye see of the plane at a distance, through the panel [m].
+Vec2 size_seen(const Job& job, const Vec3& eye, double distance);
+
 /// Bytes of the light that is traced for a walk.
 double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk);
 

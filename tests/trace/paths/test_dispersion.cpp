@@ -19,7 +19,6 @@ namespace {
 const RefractiveIndex strong{{{460e-9, 1.8, 0}, {532e-9, 1.6, 0}, {630e-9, 1.45, 0}}};
 
 double index_at_line(size_t line) { return index_at(strong, Lines{}.wavelengths[line]).real(); }
-double at(Vec3 v, size_t line) { return line == 0 ? v.x : line == 1 ? v.y : v.z; }
 
 /// Mean radiance at each line along a ray, over rays that a camera follows together.
 std::array<Statistics, 3> look(const Scene& scene, const Ray& ray, int blocks, const PathParams& params,
@@ -35,7 +34,7 @@ std::array<Statistics, 3> look(const Scene& scene, const Ray& ray, int blocks, c
     numbers.start(0);
     find_radiance(path_scene, rays, 0, numbers, lights, counts);
     const Vec3 sum = std::accumulate(lights.begin(), lights.end(), Vec3{});
-    for (size_t line = 0; line < 3; ++line) statistics[line].add(at(sum, line) / most_together);
+    for (size_t line = 0; line < 3; ++line) statistics[line].add(component(sum, line) / most_together);
   }
   return statistics;
 }
@@ -159,12 +158,25 @@ TEST(Dispersion, RoughGlassAndReflectionsAreThoseOfEachLine) {
   expect_as_line_by_line(slab, {{0, 0, 0}, normalize(Vec3{0, -5_mm, -0.3})}, 200, {.max_depth = 2}, 0.01);
 }
 
+// What an analyser lets pass of light that the glass reflects near Brewster's angle, and of light that it bends.
+TEST(Dispersion, PolarizedLightIsThatOfEachLine) {
+  const auto make = [](const RefractiveIndex& index) {
+    Scene scene = with_lamp(make_wall_and_ball(DielectricMaterial{.index = index}), rectangle(30_mm));
+    scene.analyser = linear_polariser(0.4);
+    return scene;
+  };
+  // 57 degrees off the normal of the ball, and through it.
+  for (const double x : {8.4_mm / 2, 2_mm})
+    expect_as_line_by_line(make, {{x, 0.5_mm, 0}, {0, 0, -1}}, 8000, {.max_depth = 6}, 0.05);
+}
+
 // Light that meets no dispersive glass keeps its three lines on one path: grey things have no coloured noise.
 TEST(Dispersion, GreyThingsBesideGlassStayGreyOnEveryPath) {
   const Scene scene = with_lamp(make_wall_and_ball(DielectricMaterial{.index = strong}), rectangle(30_mm));
   const PathScene path_scene(scene, Lines{}, {"ED+L"}, {});
   ASSERT_TRUE(path_scene.parts_lines);
   PathCounts counts;
+  int lit = 0;
   for (uint64_t sample = 0; sample < 200; ++sample) {
     LowDiscrepancy numbers(1, 0, sample);
     numbers.start(0);
@@ -172,7 +184,9 @@ TEST(Dispersion, GreyThingsBesideGlassStayGreyOnEveryPath) {
     add_radiance(path_scene, to_focus, numbers, {&light, 1}, counts);
     EXPECT_EQ(light.x, light.y);
     EXPECT_EQ(light.x, light.z);
+    lit += light.x > 0;
   }
+  EXPECT_GT(lit, 100);
 }
 
 TEST(Dispersion, OnlyOfLinesThatDifferNeedsAHero) {

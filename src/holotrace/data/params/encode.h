@@ -21,7 +21,7 @@ namespace holotrace {
 /// How a field becomes levels: its phase; its modulus; its interference with a tilted reference beam; both phase and
 /// modulus (complex panels); two phases on alternate pixels; phases with error diffusion; iterated projections
 /// (Gerchberg–Saxton, plain or weighted); gradient descent through the panel and free space; or two levels. The
-/// automatic choice is that of run/choose.h for scenes, `phase` for a field, and `sgd` for a picture or a focal stack.
+/// automatic choice is that of run/choose.h for scenes, `phase` for a field, and `sgd` for a picture, a focal stack or a light field.
 enum class Encoding {
   automatic,
   phase,
@@ -204,7 +204,7 @@ void describe(Visitor&& v, EncodeParams& p) {
       "its error diffused; a phase found by iterations (gerchberg-saxton, its weighted form, sgd); two levels "
       "(binary); auto: for scenes sgd, or, if a parameter of waves is given, phase (off-axis on amplitude panels, "
       "complex on "
-      "complex panels); for fields phase; for pictures and focal stacks sgd"));
+      "complex panels); for fields phase; for pictures, focal stacks and light fields sgd"));
   v(choice(
       "image", p.image, image_side_names,
       "field that is shown: U (virtual: the scene is behind the panel) or conj(U) (real: it focuses in front of it)"));

@@ -101,8 +101,8 @@ PictureShape picture_shape(hid_t data, const PictureDataset& kind, const std::st
 
 void send_pictures(const Hdf5Dataset& data, const PictureShape& shape, const std::string& path, ToParent& out) {
   const double count = double(pictures_in(shape)), bytes = picture_samples(shape) / count * sizeof(float);
-  constexpr double slowest = 1e7;  // [bytes/s]
-  out.allow(10 + count * bytes / slowest, bytes + 2 * data.chunk_bytes() + double(1 << 28));
+  constexpr double slowest = 1e7, of_picture = 1e-4;  // [bytes/s]; [s]
+  out.allow(10 + count * (bytes / slowest + of_picture), bytes + 2 * data.chunk_bytes() + double(1 << 28));
   std::vector<float> values(size_t(bytes) / sizeof(float));
   for (size_t k = 0; k < size_t(count); ++k) {
     const auto read = [&](hid_t memory, hid_t place) {
@@ -140,7 +140,9 @@ Noun load_pictures(const std::string& path, const PictureDataset& kind, Outside 
       size = from.value<hsize_t>();
       require(size > 0 && size < limit, "{}: expected {}, but it is damaged", path, kind.noun);
     }
-    require_memory(picture_samples(shape) * sizeof(float), fmt::format("{} in {}", kind.noun, path));
+    constexpr double of_block = 64;  // of the heap, around the samples of each picture
+    require_memory(picture_samples(shape) * sizeof(float) + double(pictures_in(shape)) * (sizeof(Image) + of_block),
+                   fmt::format("{} in {}", kind.noun, path));
     const nlohmann::json metadata = metadata_from_bytes(from.text(), path);
     MetadataReader reader(metadata, path, fmt::format("add it in SI units, as an attribute of \"{}\"", kind.name));
     members(reader, noun);
@@ -211,12 +213,12 @@ void save_light_field(const std::string& path, const LightField& field) {
   require(extension_of(path) == ".h5", "expected .h5 for a light field, got {}", path);
   require(std::abs(field.cell_width() / field.cell_height() - 1) < 1e-9,
           "expected square cells in a light field to save, got {} x {} m", field.cell_width(), field.cell_height());
-  LightField saved = field;
-  saved.lens.pitch = field.cell_width();
+  LightField keys = field.without_views();
+  keys.lens.pitch = field.cell_width();
   const PictureShape shape{hsize_t(field.rows), hsize_t(field.columns), hsize_t(field.plane.ny),
                            hsize_t(field.plane.nx), hsize_t(field.views.front().channels)};
   write_atomically(path, [&](const std::string& temporary) {
-    write_pictures(temporary, field_dataset, shape, field.views, metadata_of(saved));
+    write_pictures(temporary, field_dataset, shape, field.views, metadata_of(keys));
   });
 }
 

@@ -47,7 +47,7 @@ constexpr std::array<Kind, 7> pictures{{{"\x89PNG"sv, "a PNG"},
                                         {"MM\0*"sv, "a TIFF"},
                                         {"GIF8"sv, "a GIF"}}};
 constexpr std::array<Kind, 3> fields{{{"\x93NUMPY"sv, "a field in NPY"},
-                                      {"\x89HDF"sv, "a field or focal stack in HDF5"},
+                                      {"\x89HDF"sv, "a field, focal stack or light field in HDF5"},
                                       {"MATLAB 7.3"sv, "a MATLAB file in HDF5"}}};
 // Formats of models that are read, and the extensions by which their readers are known.
 struct ModelFormat {

@@ -87,11 +87,11 @@ Amplitudes reflected_by(const ThinFilm& film, double cosine) {
 }
 
 /// The pane's reflection or transmission, Σ over the reflections between its faces.
-void add_pane(MuellerSum& sum, double cosine, double index, bool is_transmission) {
-  const auto [r_s, r_p] = reflected_at(cosine, index);
-  const double s = std::norm(r_s), p = std::norm(r_p), both = (r_s * r_p).real();
-  const double again = (1 - s) * (1 - p) / (1 - s * p);  // Σ of the coherence of light that passes both faces
+void add_pane(MuellerSum& sum, double cosine, Vec3 indices, bool is_transmission) {
   for (size_t line = 0; line < 3; ++line) {
+    const auto [r_s, r_p] = reflected_at(cosine, component(indices, line));
+    const double s = std::norm(r_s), p = std::norm(r_p), both = (r_s * r_p).real();
+    const double again = (1 - s) * (1 - p) / (1 - s * p);  // Σ of the coherence of light that passes both faces
     const auto share = [&](double r) { return is_transmission ? (1 - r) / (1 + r) : 2 * r / (1 + r); };
     sum.add(line, 0.5 * (share(s) + share(p)), 0.5 * (share(s) - share(p)),
             is_transmission ? again : both * (1 + again));
@@ -128,7 +128,7 @@ PolarizationChange change(const ConductorBsdf& b, Vec3 outgoing, Vec3 incoming, 
   return sum.mean();
 }
 
-/// Adds light of a boundary of dielectrics that has met it once.
+/// Adds light of a boundary of dielectrics that has met it once. It reflects each line by its own index.
 void add_boundary(MuellerSum& sum, const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Vec3 once) {
   const bool is_transmission = dot(b.geometric_normal, incoming) < 0;
   double cosine = half_cosine(outgoing, incoming);
@@ -136,15 +136,16 @@ void add_boundary(MuellerSum& sum, const DielectricBsdf& b, Vec3 outgoing, Vec3 
     const Vec3 half = outgoing + incoming * b.index;
     cosine = b.index == 1 ? 1 : std::min(1.0, std::fabs(dot(outgoing, half)) / length(half));
   }
-  const Amplitudes r = is_transmission ? transmitted_at(cosine, b.index) : reflected_at(cosine, b.index);
-  for (size_t line = 0; line < 3; ++line) sum.add(line, component(once, line), r);
+  for (size_t line = 0; line < 3; ++line)
+    sum.add(line, component(once, line),
+            is_transmission ? transmitted_at(cosine, b.index) : reflected_at(cosine, component(b.indices, line)));
 }
 
 PolarizationChange change(const DielectricBsdf& b, Vec3 outgoing, Vec3 incoming, Lobe) {
   MuellerSum sum(across_plane(outgoing, incoming));
   if (b.is_thin) {
     const double cosine = std::fmin(1, dot(outgoing, facing_normal(b.normal, outgoing)));
-    add_pane(sum, cosine, b.index, dot(b.geometric_normal, incoming) < 0);
+    add_pane(sum, cosine, b.indices, dot(b.geometric_normal, incoming) < 0);
     return sum.mean();
   }
   Vec3 once{1, 1, 1};
@@ -232,15 +233,15 @@ PolarizationChange change(const PrincipledBsdf& b, Vec3 outgoing, Vec3 incoming,
     }
   }
   if (b.glass > 0 && b.solid.is_smooth() == is_smooth) {
-    double whole = 0;
+    Vec3 whole = white;
     if (is_smooth) {
-      const double reflected = reflectance_dielectric(std::fmin(1, o.z), b.solid.index);
-      whole = is_transmission ? 1 - reflected : reflected;
+      const Vec3 reflected = reflectances(b.solid, std::fmin(1, o.z));
+      whole = is_transmission ? white * (1 - component(reflected, b.solid.hero)) : reflected;
     } else {
-      whole = between(b.solid, o, i).value - many_facets(b.solid, o, i).value;
+      whole *= between(b.solid, o, i).value - many_facets(b.solid, o, i).value;
     }
     const double above = is_transmission ? b.through_layers(b.is_inside ? of_i : of_o) : layers;
-    const Vec3 light = (is_transmission ? b.tint : white) * (b.glass * above * whole);
+    const Vec3 light = (is_transmission ? b.tint : white) * whole * (b.glass * above);
     add_boundary(sum, b.solid, outgoing, incoming, light);
     once += light;
   }

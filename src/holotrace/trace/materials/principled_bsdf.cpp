@@ -159,7 +159,7 @@ PrincipledBsdf make_principled_bsdf(const Principled& material, const SurfacePoi
 
   const Vec3 specular_colour = lines.from_rgb(colour_at(material.specular_color, point));
   const Vec3 f0 = share(for_lines([&](size_t line) {
-    return f0_of_index(index_at(material.index, lines.wavelengths[line]).real()) * component(specular_colour, line);
+    return f0_of_index(index_at(material.index, lines.of_glass(line)).real()) * component(specular_colour, line);
   }));
   b.dielectric.f0 = f0 * specular;
   b.dielectric.f90 = white * specular;

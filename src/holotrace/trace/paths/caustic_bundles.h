@@ -40,8 +40,8 @@ struct LampBundles {
 
 /// What is known in advance about the light that mirrors and glass throw on other surfaces.
 struct Caustics {
-  std::vector<LampBundles>
-      lamps;  ///< of each light of the scene, for each hero one after another; empty if there is no bundle
+  /// Of each light of the scene, for each hero one after another; empty if there is no bundle.
+  std::vector<LampBundles> lamps;
   bool has_uneven =
       false;  ///< whether light by a mirror or glass with a normal map, or with an opacity below 1, was left out
   bool has_long = false;        ///< whether light by more than most_chained surfaces was left out

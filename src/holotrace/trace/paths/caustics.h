@@ -36,8 +36,8 @@ struct CausticLight {
 struct LampPlace {
   size_t light;  ///< index into Scene::lights
   Vec3 start{};  ///< the place of a rectangle from which light comes [m]
-  Hero
-      hero{};  ///< whose way it goes; light at the other lines counts where nothing parts them (CausticLight::is_parted)
+  /// Whose way it goes; light at the other lines counts where nothing parts them (CausticLight::is_parted).
+  Hero hero{};
 };
 
 /// All light that a lamp throws on a place by mirrors and glass; what lies in its way hides it.

@@ -264,7 +264,7 @@ class DirectLight {
   template <class B>
   void add_caustics(const B& bsdf, const PathVertex& at, const SampledLight& light, Vec2 u, double weight) {
     if (!has_caustics(at, light)) return;
-    if (!scene_.parts_lines || at.hero.is_parted()) return add_caustics_of_hero(bsdf, at, light, u, weight);
+    if (at.hero.parting == Vec3{1, 1, 1}) return add_caustics_of_hero(bsdf, at, light, u, weight);
     PathVertex of_hero = at;
     for (int number = 0; number < scene_.heroes(); ++number) {
       of_hero.hero = scene_.hero(number);

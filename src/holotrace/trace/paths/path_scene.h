@@ -90,10 +90,8 @@ struct PathScene {
   /// A hero by its number, 0 … heroes() − 1.
   Hero hero(int number) const;
 
-  /// The hero of a path of the numbers' block.
-  Hero hero_of(const LowDiscrepancy& numbers, uint32_t path_of_block) const {
-    return parts_lines ? hero(numbers.stratum(heroes(), path_of_block)) : Hero{};
-  }
+  /// The hero of the current path of the numbers.
+  Hero hero_of(const LowDiscrepancy& numbers) const { return hero(parts_lines ? numbers.stratum(heroes()) : 0); }
 
   /// The lines, with glass that bends them by the index at a hero.
   Lines lines_of(const Hero& hero) const;

@@ -91,11 +91,8 @@ class PathWalk {
 
   /// Follows the path from the surface that it has reached to its end.
   void go_on(LowDiscrepancy& numbers) {
-    Lines lines = scene_.lines;
-    if (scene_.parts_lines) {
-      hero_ = scene_.hero_of(numbers, numbers.path_of_block());
-      lines = scene_.lines_of(hero_);
-    }
+    hero_ = scene_.hero_of(numbers);
+    const Lines lines = scene_.lines_of(hero_);
     for (;;) {
       const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, lines);
       // One visit per surface: inside it the functions of this kind of surface are called directly.
@@ -219,8 +216,8 @@ class PathWalk {
 
   PathVertex vertex() const { return {point_, outgoing_, state_, depth_, aim_, throughput_, hero_}; }
 
-  /// Whether light of different lines leaves a surface of dispersive glass in different directions by chance: all of it, where
-  /// microfacets bend it. A smooth one reflects all lines alike.
+  /// Whether light of different lines leaves a surface of dispersive glass in different directions, also where it reflects: a rough one.
+  /// A smooth one reflects all lines in the same direction, each by its own reflectance.
   static bool bends_in_facets(const DielectricBsdf& b) { return !b.is_smooth(); }
   static bool bends_in_facets(const PrincipledBsdf& b) { return b.glass > 0 && bends_in_facets(b.solid); }
   template <class B>
@@ -228,7 +225,7 @@ class PathWalk {
     return false;
   }
 
-  /// From here on the path carries the light of its hero alone, for all three lines: it is not more light.
+  /// From here on the path carries the light of its hero alone. The factor for it makes no path more important.
   void part() {
     throughput_ *= hero_.parting;
     scale_ *= max_component(hero_.parting);

@@ -82,15 +82,12 @@ struct Lines {
   }
 };
 
-/// The line whose way a light path goes where dispersive glass parts the lines, drawn for each path. There the path leaves the
-/// other two, and its light counts for all three.
+/// The line whose way a light path goes where dispersive glass parts the lines. From there on it carries no light of the other two, and
+/// three times that of its hero, because only every third path has that hero.
 /// Reference: A. Wilkie et al., Hero Wavelength Spectral Sampling, Comput. Graph. Forum 33(4), 2014.
 struct Hero {
   int line = 0;
-  /// Factor of the light at the lines, where glass parts them; 1 on a path that has been parted.
-  Vec3 parting{1, 1, 1};
-
-  bool is_parted() const { return parting == Vec3{1, 1, 1}; }
+  Vec3 parting{1, 1, 1};  ///< factor of the light at the lines, where glass parts them; 1 once it has
 };
 
 /// The lines at three wavelengths [m]; for fewer wavelengths, repeat one.

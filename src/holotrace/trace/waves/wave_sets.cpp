@@ -166,7 +166,7 @@ SetLight light_of(const WaveSet& set, const LeafLight& light, Vec3 weight) {
     return {radiance * share, 0};
   }
   std::complex<double> amplitude = 0;
-  for (const int sum : set.sums) amplitude += light.phasors[size_t(sum)][size_t(size_t(set.line))];
+  for (const int sum : set.sums) amplitude += light.phasors[size_t(sum)][size_t(set.line)];
   return {std::norm(amplitude) * share, set.has_laser ? std::arg(amplitude) : 0};
 }
 
