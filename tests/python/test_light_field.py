@@ -105,3 +105,36 @@ def test_without_an_eye_the_light_is_for_all(light_field):
     a, b = np.asarray(view, float)[60:-60, away].ravel(), wall[60:-60, away].ravel()
     # One frame for all places has speckle: measured 0.68, and −0.68 for a view that is turned from left to right.
     assert np.corrcoef(a, b)[0, 1] > 0.5
+
+
+def test_cells_that_do_not_fit_are_refused(light_field):
+    given = {"wavelength": "532 nm", "iterations": 1}
+    with pytest.raises(ht.Error, match="expected a light field whose cells lie on the panel, over all of its .* for eyes anywhere, got cells over 6 mm x 6 mm at 250 mm"):
+        ht.encode(light_field, PANEL, **given)
+    with pytest.raises(ht.Error, match="not in front of the eye, at most 200 mm from the panel, got 250 mm"):
+        ht.encode(light_field, PANEL, eye="0 0 200 mm", pupil="3 mm", eyebox="1 mm", **given)
+    with pytest.raises(ht.Error, match="expected target_distances other than those of the panel and the cells"):
+        ht.encode(light_field, PANEL, target_distances=["0 mm"], **EYE, **given)
+    with pytest.raises(ht.Error, match="has no wavelength"):
+        ht.encode(light_field, PANEL, **EYE)
+
+
+def test_views_narrower_than_what_an_eye_sees_are_told(light_field):
+    narrow = ht.LightField(np.asarray(light_field)[:, :, :, 60:140], cell="1 mm", pitch=50e-6, distance=WALL, lens_z=EYE_Z)
+    with pytest.warns(ht.ResultWarning, match="show 4 mm x 6 mm of their plane, of which an eye sees"):
+        ht.encode(narrow, PANEL, wavelength="532 nm", iterations=1, **EYE)
+
+
+@pytest.mark.parametrize(
+    "shape, given, error",
+    [
+        ((2, 2, 3), {}, "expected views of the shape"),
+        ((2, 2, 3, 4), {"cell": 0}, "expected cells wider than 0 m"),
+        ((2, 2, 3, 4), {"distance": 0, "lens_z": 0}, "in a plane other than that of its lens"),
+        ((2, 2, 3, 4), {"lens_z": -0.1}, "expected the cells of the light field on the panel or in front of it"),
+        ((2, 2, 3, 4, 2), {}, "expected 1 or 3 channels"),
+    ],
+)
+def test_bad_light_fields_are_refused(shape, given, error):
+    with pytest.raises(ht.Error, match=error):
+        ht.LightField(np.ones(shape, np.float32), **{"cell": 1e-3, "pitch": 1e-4, "distance": 0.3, "lens_z": 0.25, **given})
