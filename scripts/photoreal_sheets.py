@@ -21,6 +21,7 @@ EYES = {"-1.5": "x = −1.5 mm", "0": "x = 0", "1.5": "x = 1.5 mm"}
 SIZE = (480, 270)
 MATERIALS = {
     "light_shafts": ("Fog, milk and skin", "A lamp shines through a grille into fog. Waves start at its particles, and inside of the milk (left) and the skin."),
+    "leaves": ("Leaves", "Squares with a picture whose alpha cuts out the leaf. Light shines through them; their shadows fall on the wall."),
     "prism": ("A prism", "A beam over a table, parted by dense flint glass; each colour is bent by its own index."),
     "snow": ("Snow", "Low sunlight enters the snowman and comes out elsewhere; firs stand behind it."),
     "candle": ("Fire", "A flame of glowing soot lights wax, a glass ball before it and a wall behind it."),
