@@ -249,8 +249,9 @@ def test_every_noun_survives_pickle_and_copy(scene):
     stack = ht.focal_stack(scene, [0.1])
     plan = ht.calibration_patterns(ht.Slm("pluto", columns=400, rows=300), level_patterns=1)
     depths = ht.DepthImage(np.ones((3, 4), np.float32), np.ones((3, 4)))
+    light_field = ht.LightField(np.ones((2, 3, 4, 5), np.float32), "1 mm", "10 um", "300 mm")
     nouns = [scene, result.sources[0], result.fields[0][0], result.holograms[0], result.views[0], stack, ht.Slm("pluto"), plan,
-             depths]
+             depths, light_field]
     kinds = {kind for kind in vars(ht).values() if isinstance(kind, type) and hasattr(kind, "copy")}
     assert {type(noun) for noun in nouns} == kinds
     for noun in nouns:

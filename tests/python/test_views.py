@@ -287,7 +287,7 @@ def test_folders_without_a_complete_run_are_refused_as_by_the_program(scene, tmp
 
 def test_frames_of_a_field_are_refused_before_the_work(monkeypatch, field):
     monkeypatch.setattr(_core, "encode_fields", lambda *given: pytest.fail("it has begun"))
-    with pytest.raises(ht.Error, match="expected frames only with a focal stack; leave it out"):
+    with pytest.raises(ht.Error, match="expected frames only with a focal stack or a light field; leave it out"):
         ht.encode_all(field, frames=2)
 
 
