@@ -31,7 +31,7 @@ def through_pupil(x, y, eye_x, distance, diameter):
 @pytest.fixture(scope="module")
 def light_field():
     cells, pitch = 1e-3 * (np.arange(6) - 2.5), 50e-6
-    x, y = pitch * (np.arange(200) - 99.5), -pitch * (np.arange(120) - 59.5)
+    x, y = pitch * (np.arange(320) - 159.5), -pitch * (np.arange(220) - 109.5)
     views = [[seen(x[None, :], y[:, None], across, -down, WALL) for across in cells] for down in cells]
     return ht.LightField(np.array(views, np.float32), cell="1 mm", pitch=pitch, distance=WALL, lens_z=EYE_Z)
 
@@ -120,8 +120,8 @@ def test_cells_that_do_not_fit_are_refused(light_field):
 
 
 def test_views_narrower_than_what_an_eye_sees_are_told(light_field):
-    narrow = ht.LightField(np.asarray(light_field)[:, :, :, 60:140], cell="1 mm", pitch=50e-6, distance=WALL, lens_z=EYE_Z)
-    with pytest.warns(ht.ResultWarning, match="show 4 mm x 6 mm of their plane, of which an eye sees"):
+    narrow = ht.LightField(np.asarray(light_field)[:, :, :, 120:200], cell="1 mm", pitch=50e-6, distance=WALL, lens_z=EYE_Z)
+    with pytest.warns(ht.ResultWarning, match="show 4 mm x 11 mm of their plane, of which pupils in the eyebox see"):
         ht.encode(narrow, PANEL, wavelength="532 nm", iterations=1, **EYE)
 
 

@@ -124,7 +124,7 @@ void warn_of_small_views(const LightField& light, const Job& job, const Observer
     constexpr double enough = 0.98;
     if (light.plane.width() < enough * seen.x || light.plane.height() < enough * seen.y)
       observer.warn(fmt::format(
-          "the views of the light field show {} x {} of their plane, of which an eye sees {} x {} through the panel: their edges are continued; "
+          "the views of the light field show {} x {} of their plane, of which pupils in the eyebox see {} x {} through the panel: their edges are continued; "
           "give views of a wider plane, or a smaller panel",
           format_length(light.plane.width()), format_length(light.plane.height()), format_length(seen.x),
           format_length(seen.y)));
