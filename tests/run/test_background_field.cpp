@@ -93,5 +93,14 @@ TEST(BackgroundField, ReferencesAndTargetsShowItAsTheHologramDoes) {
   }
 }
 
+// What is compared with the light of one laser has the index of glass at its wavelength; colours have their own.
+TEST(LightOfWaves, OfOneLaserHasTheIndicesAtItsWavelength) {
+  Job job;
+  job.wavelengths = {633e-9};
+  EXPECT_EQ(light_of_waves(job, job.render).glass_wavelength, 633e-9);
+  job.wavelengths = {638e-9, 532e-9, 450e-9};
+  EXPECT_EQ(light_of_waves(job, job.render).glass_wavelength, 0);
+}
+
 }  // namespace
 }  // namespace holotrace

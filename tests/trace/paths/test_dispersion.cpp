@@ -170,6 +170,25 @@ TEST(Dispersion, PolarizedLightIsThatOfEachLine) {
     expect_as_line_by_line(make, {{x, 0.5_mm, 0}, {0, 0, -1}}, 8000, {.max_depth = 6}, 0.05);
 }
 
+// A mirror of dispersive glass at Brewster's angle of its index in green: none of that light is polarised in the plane of incidence, but
+// some of red and blue, which have other angles. Fresnel's R_p for each.
+TEST(Dispersion, EachLineHasABrewsterAngleOfItsOwn) {
+  const double angle = std::atan(index_at_line(1)), sine = std::sin(angle), cosine = std::cos(angle);
+  const Vec3 middle{0, 0, -0.1}, away{std::sin(2 * angle), 0, std::cos(2 * angle)};
+  Scene scene;
+  scene.materials = {DielectricMaterial{.index = strong}, grey(0, 1)};
+  scene.meshes = {make_test_quad(middle, Vec3{cosine, 0, -sine} * 5_mm, {0, 5_mm, 0}),
+                  make_test_quad(middle + away * 0.05, Vec3{-away.z, 0, away.x} * 5_mm, {0, 5_mm, 0}, 1)};
+  scene.analyser = linear_polariser(0);  // along x, in the plane of incidence
+  const auto seen = look(scene, {{0, 0, 0}, {0, 0, -1}}, 4000, {}, {"ESL"});
+  for (size_t line = 0; line < 3; ++line) {
+    const double n = index_at_line(line), inside = std::sqrt(1 - sine * sine / (n * n));
+    const double p = (n * cosine - inside) / (n * cosine + inside);
+    EXPECT_NEAR(seen[line].mean(), 0.5 * p * p, 4 * seen[line].standard_error() + 1e-12) << line;
+    EXPECT_LT(seen[line].standard_error(), 1e-4) << line;
+  }
+}
+
 // Light that meets no dispersive glass keeps its three lines on one path: grey things have no coloured noise.
 TEST(Dispersion, GreyThingsBesideGlassStayGreyOnEveryPath) {
   const Scene scene = with_lamp(make_wall_and_ball(DielectricMaterial{.index = strong}), rectangle(30_mm));
