@@ -31,7 +31,7 @@ def through_pupil(x, y, eye_x, distance, diameter):
 @pytest.fixture(scope="module")
 def light_field():
     cells, pitch = 1e-3 * (np.arange(6) - 2.5), 50e-6
-    x, y = pitch * (np.arange(320) - 159.5), -pitch * (np.arange(220) - 109.5)
+    x, y = pitch * (np.arange(340) - 169.5), -pitch * (np.arange(240) - 119.5)
     views = [[seen(x[None, :], y[:, None], across, -down, WALL) for across in cells] for down in cells]
     return ht.LightField(np.array(views, np.float32), cell="1 mm", pitch=pitch, distance=WALL, lens_z=EYE_Z)
 
@@ -111,6 +111,8 @@ def test_cells_that_do_not_fit_are_refused(light_field):
     given = {"wavelength": "532 nm", "iterations": 1}
     with pytest.raises(ht.Error, match="expected a light field whose cells lie on the panel, over all of its .* for eyes anywhere, got cells over 6 mm x 6 mm at 250 mm"):
         ht.encode(light_field, PANEL, **given)
+    with pytest.raises(ht.Error, match="got cells over 6 mm x 6 mm at 250 mm from it; give an eye and the eyebox around it"):
+        ht.encode(light_field, PANEL, **{**EYE, "eyebox": "all"}, **given)
     with pytest.raises(ht.Error, match="not in front of the eye, at most 200 mm from the panel, got 250 mm"):
         ht.encode(light_field, PANEL, eye="0 0 200 mm", pupil="3 mm", eyebox="1 mm", **given)
     with pytest.raises(ht.Error, match="expected target_distances other than those of the panel and the cells"):
@@ -120,8 +122,8 @@ def test_cells_that_do_not_fit_are_refused(light_field):
 
 
 def test_views_narrower_than_what_an_eye_sees_are_told(light_field):
-    narrow = ht.LightField(np.asarray(light_field)[:, :, :, 120:200], cell="1 mm", pitch=50e-6, distance=WALL, lens_z=EYE_Z)
-    with pytest.warns(ht.ResultWarning, match="show 4 mm x 11 mm of their plane, of which pupils in the eyebox see"):
+    narrow = ht.LightField(np.asarray(light_field)[:, :, :, 130:210], cell="1 mm", pitch=50e-6, distance=WALL, lens_z=EYE_Z)
+    with pytest.warns(ht.ResultWarning, match="show 4 mm x 12 mm of their plane, of which pupils in the eyebox see"):
         ht.encode(narrow, PANEL, wavelength="532 nm", iterations=1, **EYE)
 
 

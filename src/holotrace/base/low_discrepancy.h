@@ -125,8 +125,8 @@ class LowDiscrepancy {
     std::array<uint32_t, 16> x, y;
   };
 
-  /// One of 0 … count − 1 for the current path: paths take them one after another, from a random one of the sample on. Takes no
-  /// dimension.
+  /// The stratum of the current path, 0 … count − 1: paths take the strata one after another, from a random one of the sample on. This
+  /// takes no dimension.
   int stratum(int count) const { return int((mix(key_) + (uint64_t(block_) << 4 | path_)) % uint64_t(count)); }
 
   /// Number of dimensions that the current path has taken.

@@ -92,7 +92,7 @@ EncodeJob job_of_stack(const FocalStack& stack, const Slm& slm, const std::vecto
 
 namespace {
 
-// Without an eye the light of the whole panel counts.
+// For eyes anywhere the light of the whole panel counts.
 void require_panel_of_cells(const LightField& light) {
   const Grid &panel = light.panel, &lens = light.lens;
   constexpr double rounding = 1e-9;
@@ -101,7 +101,7 @@ void require_panel_of_cells(const LightField& light) {
       light.lens_z == 0 && lens.width() / 2 - beside > panel.width() / 2 - rounding &&
           lens.height() / 2 - above > panel.height() / 2 - rounding,
       "expected a light field whose cells lie on the panel, over all of its {} x {}, for eyes anywhere, got cells over {} x {} at {} "
-      "before it; give an eye",
+      "from it; give an eye and the eyebox around it",
       format_length(panel.width()), format_length(panel.height()), format_length(lens.width()),
       format_length(lens.height()), format_length(light.lens_z));
 }
@@ -139,7 +139,6 @@ EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector
   check_light_field(light);
   check_radiance(light);
   light.panel = slm.grid;
-  if (params.eye.empty()) require_panel_of_cells(light);
   auto job = std::make_shared<Job>();
   job->slm = slm;
   job->wavelengths = wavelengths;
@@ -163,6 +162,7 @@ EncodeJob job_of_light_field(LightField light, const Slm& slm, const std::vector
     warn_of_small_views(light, *job, observer);
     targets.eyes = light_for_eyes(light, *job, targets.distances);
   } else {
+    require_panel_of_cells(light);
     targets.planes = planes_of(light, *job, targets.distances);
     targets.light_field = std::move(light);
   }

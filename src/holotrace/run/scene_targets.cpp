@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/threads.h"
@@ -270,9 +271,22 @@ bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause) {
   return true;
 }
 
-std::shared_ptr<const KeptEyeLight> light_for_eyes(const Job& job, uint64_t cause, const std::vector<double>& distances,
-                                                   const RenderParams& params, const Observer& observer,
-                                                   const std::optional<EyeWalk>& walk) {
+// Keeps the light of each eye in each wavelength. light_of(e) is the light of eye e and the z of its pupil.
+template <class LightOf>
+void keep_light(const Job& job, size_t eyes, const LightOf& light_of, KeptEyeLight& kept) {
+  for (const double wavelength : job.wavelengths) {
+    kept.lights.push_back({wavelength, {}});
+    for (size_t e = 0; e < eyes; ++e) {
+      const auto [light, z] = light_of(e);
+      kept.lights.back().lights.push_back(light_for_pupil(*light, wavelength, pupil_of(job.encode), z));
+    }
+  }
+}
+
+std::shared_ptr<const KeptEyeLight> trace_light_for_eyes(const Job& job, uint64_t cause,
+                                                         const std::vector<double>& distances,
+                                                         const RenderParams& params, const Observer& observer,
+                                                         const std::optional<EyeWalk>& walk) {
   auto kept = std::make_shared<KeptEyeLight>();
   kept->cause = cause;
   kept->distances = distances;
@@ -280,11 +294,8 @@ std::shared_ptr<const KeptEyeLight> light_for_eyes(const Job& job, uint64_t caus
   kept->is_of_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
   const std::vector<EyeLight> eyes =
       trace_eye_light(job, middle, params, observer, kept->is_of_walk ? walk : std::nullopt);
-  for (const double wavelength : job.wavelengths) {
-    kept->lights.push_back({wavelength, {}});
-    for (const EyeLight& eye : eyes)
-      kept->lights.back().lights.push_back(light_for_pupil(eye.light, wavelength, pupil_of(job.encode), eye.eye.z));
-  }
+  keep_light(
+      job, eyes.size(), [&](size_t e) { return std::pair(&eyes[e].light, eyes[e].eye.z); }, *kept);
   return kept;
 }
 
@@ -323,11 +334,9 @@ std::shared_ptr<const KeptEyeLight> light_for_eyes(const LightField& light, cons
                                                    const std::vector<double>& distances) {
   auto kept = std::make_shared<KeptEyeLight>();
   kept->distances = distances;
-  for (const double wavelength : job.wavelengths) {
-    kept->lights.push_back({wavelength, {}});
-    for (const Vec3& eye : eyes_of(job.encode))
-      kept->lights.back().lights.push_back(light_for_pupil(light, wavelength, pupil_of(job.encode), eye.z));
-  }
+  const std::vector<Vec3> eyes = eyes_of(job.encode);
+  keep_light(
+      job, eyes.size(), [&](size_t e) { return std::pair(&light, eyes[e].z); }, *kept);
   return kept;
 }
 
@@ -384,7 +393,7 @@ SceneTargets trace_targets(const Job& job, const Observer& observer, const Targe
     targets.eyes = reuse.earlier;
     observer.fact("kept_light", 1);
   } else if (aims_at_eyes(job)) {
-    targets.eyes = light_for_eyes(job, cause, targets.distances, params, observer, reuse.walk);
+    targets.eyes = trace_light_for_eyes(job, cause, targets.distances, params, observer, reuse.walk);
   } else {
     ScenePlanes planes{targets.distances, {}};
     for (const double distance : job.camera.distances)

@@ -42,8 +42,9 @@ struct RenderParams {
   Denoise denoise = Denoise::automatic;             ///< which pictures are denoised
   Reference reference = Reference::quick;  ///< of `run`: whether and how well it renders what its views should show
   int64_t seed = 1;                        ///< seed for all random numbers
-  double glass_wavelength =
-      0;  ///< where light of one wavelength alone is looked at: whose refractive indices count [m]; 0: each colour's own
+  /// Wavelength at which glass has its refractive index for all colours, in pictures that are seen in the light of one laser [m]; 0: each
+  /// colour has its own.
+  double glass_wavelength = 0;
 };
 
 /// Light paths per pixel of a picture.

@@ -225,7 +225,7 @@ class PathWalk {
     return false;
   }
 
-  /// From here on the path carries the light of its hero alone. The factor for it makes no path more important.
+  /// From here on the path carries the light of its hero alone. Roulette divides the factor out, as it does that of refraction.
   void part() {
     throughput_ *= hero_.parting;
     scale_ *= max_component(hero_.parting);
