@@ -668,5 +668,31 @@ TEST(SceneTargets, RefuseStacksOfAnotherPanel) {
       << error({8, 6, 4e-6});
 }
 
+// All views show a bright square of side s in their plane at D. In a plane at d, the ray from a place a of the panel through the middle
+// meets it where |a|·|1 − D/d| ≤ s/2: a quarter of the panel, here, and so a quarter of the radiance.
+TEST(SceneTargets, PlanesOfALightFieldHaveTheLightOfTheWholePanel) {
+  Job job;
+  job.slm.grid = {64, 64, 8e-6};
+  job.wavelengths = {532e-9};
+  LightField light{.panel = job.slm.grid,
+                   .lens = {16, 16, 32e-6},
+                   .lens_z = 0,
+                   .columns = 16,
+                   .rows = 16,
+                   .plane = {200, 200, 4e-6},
+                   .distance = 0.3,
+                   .views = {}};
+  Image view(200, 200, 1);
+  for (int row = 0; row < 200; ++row)
+    for (int column = 0; column < 200; ++column)
+      view(row, column) = std::max(std::abs(row - 99.5), std::abs(column - 99.5)) < 16 ? 3.0F : 0.0F;  // s = 128 um
+  light.views.assign(256, view);
+  const FocalStack stack = planes_of(light, job, {0.2, 0.3});
+  EXPECT_EQ(stack.distances, (std::vector<double>{0.2, 0.3}));
+  EXPECT_NEAR(stack.pictures[0](31, 31), 3.0 / 4, 0.02);
+  EXPECT_NEAR(stack.pictures[1](31, 31), 3.0, 1e-4) << "in the plane of the views; 256 roundings of float";
+  EXPECT_EQ(stack.pictures[1](31, 60), 0);
+}
+
 }  // namespace
 }  // namespace holotrace
