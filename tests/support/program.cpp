@@ -76,6 +76,8 @@ void share_cache_of_pocl() {
 
 Workplace::Workplace() : folder_(make_folder("holotrace")), cache_(make_folder("holotrace-cache")) {
   share_cache_of_pocl();
+  // Two launchers of Open MPI that start at the same time may both make, and one fail on, the folder of their sessions.
+  setenv("OMPI_MCA_orte_tmpdir_base", cache_.c_str(), 1);
 }
 
 Workplace::~Workplace() {
