@@ -148,6 +148,30 @@ TEST(DiffuseLanes, OfEmissiveTrianglesAreThoseOfSinglePathsOnEveryInstructionSet
   }
 }
 
+// All of its light comes by sampling, weight 1: f·cosθ·I/d². A surface at the light gets none.
+TEST(DiffuseLanes, OfAPointLightAreThoseOfSinglePathsOnEveryInstructionSet) {
+  for (const std::string& name : instruction_sets()) {
+    const OnInstructionSet only(name);
+    Numbers numbers;
+    Found found;
+    for (int trial = 0; trial < 200; ++trial) {
+      DiffuseSurfaces at = random_surfaces(trial, numbers);
+      const PointLight light{numbers.vector(1), {1, 2, 3}};
+      at.position.set(5, light.position);
+      LightSamples samples;
+      sample_lights(at, lanes_of(light), {}, numbers.vector(0.1), samples);
+      SCOPED_TRACE(name + ", trial " + std::to_string(trial));
+      for (size_t i = 0; i < size_t(at.count); ++i) {
+        const LightSample way = sample_light(light, at.position[i], {});
+        const DiffuseBsdf surface{at.normal[i], at.geometric_normal[i], {1, 1, 1}, {}};
+        const double light_of_one = way.radiance.x * eval(surface, {}, way.direction, Lobe::diffuse).x;
+        expect_same(samples, i, {way.direction, way.distance - at.clearance[i], light_of_one}, found);
+      }
+    }
+    found.expect_many_of_both();
+  }
+}
+
 // From so near its plane the density of a place is above the largest number, and its weight would be ∞/∞.
 TEST(DiffuseLanes, ARectangleSeenEdgeOnIsDarkOnEveryInstructionSet) {
   const LightLanes lanes = lanes_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}, true}, 1e-5);

@@ -315,8 +315,8 @@ Emitters::Emitters(const Scene& scene, const Lines& lines)
   if (scene.environment && scene.environment->sky)
     require_lines_in(lines, shortest_visible, longest_visible, "the sky");
   if (scene.environment) environment_.emplace(*scene.environment, lines);
-  shine_beyond_surfaces_ =
-      environment_ || max_component(background_) > 0 || std::any_of(lights_.begin(), lights_.end(), has_area);
+  shine_on_way_ = environment_ || max_component(background_) > 0 || !lights_on_way_.empty();
+  shine_beyond_surfaces_ = shine_on_way_ || std::any_of(lights_.begin(), lights_.end(), has_area);
 }
 
 std::string Emitters::group_name(int group) const {

@@ -153,6 +153,9 @@ class Emitters {
   /// area.
   bool shine_beyond_surfaces() const { return shine_beyond_surfaces_; }
 
+  /// Whether a ray can find light elsewhere than at a surface: of the background, the environment or lights_on_way.
+  bool shine_on_way() const { return shine_on_way_; }
+
   /// Lights with an area that rays meet and pass through, as indices into lights(). Visible ones are surfaces.
   const std::vector<int>& lights_on_way() const { return lights_on_way_; }
 
@@ -163,7 +166,7 @@ class Emitters {
   std::optional<EnvironmentLight> environment_;
   Vec3 background_;
   std::vector<int> lights_on_way_;
-  bool shine_beyond_surfaces_;
+  bool shine_beyond_surfaces_, shine_on_way_;
 };
 
 }  // namespace holotrace

@@ -17,4 +17,12 @@ LightLanes lanes_of(const RectangleLight& light, double lift) {
   return lanes;
 }
 
+LightLanes lanes_of(const PointLight& light) {
+  LightLanes lanes;
+  lanes.is_point = true;
+  lanes.corner.fill(light.position);
+  lanes.radiance.fill(light.intensity);
+  return lanes;
+}
+
 }  // namespace holotrace

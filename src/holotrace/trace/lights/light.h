@@ -139,14 +139,16 @@ inline std::optional<double> laser_path(const Light& light, Vec3 to) {
   return std::nullopt;
 }
 
-/// Emitting rectangles or triangles, of which each of several paths samples one.
+/// Emitting rectangles or triangles, of which each of several paths samples one; or a point light for all of them.
 struct LightLanes {
-  LaneVectors corner, edge_u, edge_v;  ///< [m]; edge_u × edge_v points to where it shines
-  Lane per_size;                       ///< 1/|edge_u × edge_v| [1/m²]
-  Lane density;                        ///< of places on the emitter [1/m²]
-  Lane size;                           ///< no corner is farther from a place on the emitter [m]
-  Lane two_sided;                      ///< 1: it shines to both sides; 0: to one
-  LaneVectors radiance;                ///< at the lines [W/m²/sr]
+  LaneVectors corner;     ///< [m]
+  bool is_point = false;  ///< a light at the corner; of the others below, only its intensity is set: radiance [W/sr]
+  LaneVectors edge_u, edge_v;  ///< [m]; edge_u × edge_v points to where it shines
+  Lane per_size;               ///< 1/|edge_u × edge_v| [1/m²]
+  Lane density;                ///< of places on the emitter [1/m²]
+  Lane size;                   ///< no corner is farther from a place on the emitter [m]
+  Lane two_sided;              ///< 1: it shines to both sides; 0: to one
+  LaneVectors radiance;        ///< at the lines [W/m²/sr]
   bool are_triangles =
       false;  ///< places (u, v) are √u·((1 − v)·edge_u + v·edge_v) from the corner, not u·edge_u + v·edge_v
   bool are_surfaces = true;  ///< rays meet the emitter
@@ -160,7 +162,9 @@ struct PlaceLanes {
   void set(size_t i, Vec2 place) { u[i] = place.x, v[i] = place.y; }
 };
 
-/// One rectangle for all paths.
+/// One light for all paths.
+/// @param lift  of its surface [m]
 LightLanes lanes_of(const RectangleLight& light, double lift);
+LightLanes lanes_of(const PointLight& light);
 
 }  // namespace holotrace

@@ -32,6 +32,19 @@ void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, const Pla
   const V zero = hn::Zero(d), one = set(1);
   const Vectors centre = set(middle);
   for (size_t i = 0; i < size_t(at.count); i += hn::Lanes(d)) {
+    const Vectors from = load(at.position, i);
+    if (light.is_point) {
+      const Vectors way = minus(load(light.corner, i), from);
+      const V squared = dot_of(way, way), distance = hn::Sqrt(squared), inverse = hn::Div(one, distance);
+      const Vectors direction = times(way, inverse);
+      const V reflected = hn::Mul(dot_of(load(at.normal, i), direction), set(1 / pi));
+      const auto is_lit = hn::And(hn::And(hn::Gt(squared, zero), hn::Gt(reflected, zero)),
+                                  hn::Ge(dot_of(load(at.geometric_normal, i), direction), zero));
+      store(hn::IfThenElseZero(is_lit, hn::Mul(reflected, hn::Mul(inverse, inverse))), samples->share, i);
+      store(direction, samples->direction, i);
+      store(hn::Sub(distance, load(at.clearance, i)), samples->distance, i);
+      continue;
+    }
     const Vectors edge_u = load(light.edge_u, i), edge_v = load(light.edge_v, i);
     V s = load(places.u, i), t = load(places.v, i);
     if (light.are_triangles) {  // uniform over the triangle
@@ -39,7 +52,6 @@ void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, const Pla
       s = hn::NegMulAdd(root, t, root);
       t = hn::Mul(root, t);
     }
-    const Vectors from = load(at.position, i);
     const Vectors way = add_times(add_times(minus(load(light.corner, i), from), edge_u, s), edge_v, t);
     // |edge_u × edge_v|·cosθ'·d, above 0 on the side to which the light shines
     const V in_front = hn::Neg(dot_of(cross_of(edge_u, edge_v), way));

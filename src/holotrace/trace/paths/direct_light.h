@@ -413,7 +413,8 @@ class DirectLight {
   /// Whether samples of the light on diffuse surfaces are made in vector lanes.
   bool fits_lanes(const SampledLight& light) const {
     const Emitters& emitters = scene_.emitters;
-    return light.light ? light.is_shared : light.group == emitters.mesh_group() && emitters.triangles().are_even();
+    if (!light.light) return light.group == emitters.mesh_group() && emitters.triangles().are_even();
+    return light.is_shared || (std::holds_alternative<PointLight>(*light.light) && !passes_mirrors());
   }
 
   struct PathsAtDimension {
@@ -442,7 +443,7 @@ class DirectLight {
     PlaceLanes places;
     if (light.light) {
       for (size_t i = 0; i < count; ++i) places.set(i, place_of(i));
-      return add_lanes(paths, light, scene_.rectangles[size_t(light.group)], places, are_near);
+      return add_lanes(paths, light, scene_.light_lanes[size_t(light.group)], places, are_near);
     }
     LightLanes triangles;
     triangles.are_triangles = true;

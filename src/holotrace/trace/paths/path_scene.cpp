@@ -144,7 +144,7 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
       parts_lines(bends_differently(scene, lines)),
       detector(detector_of(scene, params)),
       params(params),
-      rectangles(scene.lights.size()),
+      light_lanes(scene.lights.size()),
       mirrors(flat_mirrors(scene, emitters.lights(), lines)),
       has_panes(std::any_of(scene.meshes.begin(), scene.meshes.end(),
                             [&](const Mesh& mesh) { return is_pane(scene.materials[size_t(mesh.material)]); })) {
@@ -155,9 +155,13 @@ PathScene::PathScene(const Scene& scene, const Lines& lines, const std::vector<s
   for (const Material& material : scene.materials)
     if (const auto* measured = std::get_if<MeasuredMaterial>(&material.surface))
       require_measured(*measured->brdf, lines);
-  for (size_t i = 0; i < rectangles.size(); ++i)
-    if (const auto* rectangle = std::get_if<RectangleLight>(&emitters.lights()[i]))
-      rectangles[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
+  for (size_t i = 0; i < light_lanes.size(); ++i) {
+    const Light& light = emitters.lights()[i];
+    if (const auto* rectangle = std::get_if<RectangleLight>(&light))
+      light_lanes[i] = lanes_of(*rectangle, accelerator.lift_of(int(i)));
+    else if (const auto* point = std::get_if<PointLight>(&light))
+      light_lanes[i] = lanes_of(*point);
+  }
   caustics = find_caustics(*this, params.caustic_rays);
 }
 

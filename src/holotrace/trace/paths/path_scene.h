@@ -67,10 +67,10 @@ struct PathScene {
   bool parts_lines;  ///< whether glass of the scene bends the three lines differently: each path has a hero (Hero)
   std::optional<StokesVector> detector;  ///< what is seen of polarised light; none: light has no polarization
   PathParams params;
-  std::vector<LightLanes> rectangles;  ///< of each light in Emitters::lights; not set for those that are no rectangles
-  std::vector<FlatMirror> mirrors;     ///< that reflect the light of lights which no ray can meet
-  bool has_panes;                      ///< whether a mesh is of thin glass, which transmits light straight on
-  Caustics caustics;                   ///< light of small lamps by mirrors and glass
+  std::vector<LightLanes> light_lanes;  ///< of each light in Emitters::lights; set for rectangles and point lights
+  std::vector<FlatMirror> mirrors;      ///< that reflect the light of lights which no ray can meet
+  bool has_panes;                       ///< whether a mesh is of thin glass, which transmits light straight on
+  Caustics caustics;                    ///< light of small lamps by mirrors and glass
 
   /// @throws Error  as Accelerator and PathAutomaton do, and for a max_depth or roulette_depth below 1 or a clamp
   /// below 0

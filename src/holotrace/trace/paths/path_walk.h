@@ -37,6 +37,7 @@ class PathWalk {
         sink_(sink),
         counts_(counts),
         direct_light_(scene, sink, counts) {}
+  PathWalk(const PathWalk&) = delete;
 
   void follow(const PathStart& start, LowDiscrepancy& numbers) {
     if (begin(start)) go_on(numbers);
@@ -46,14 +47,15 @@ class PathWalk {
   /// @param count  of paths that begin there: counts and light of the start are those of all
   bool begin(const PathStart& start, int count = 1) {
     set_start(start);
-    if (point_.light < 0)
+    if (point().light < 0)
       if constexpr (Sink::follows_phase) sink_.start(start);
     return begin_here(count);
   }
 
   /// Goes back to the start: the next path begins there, which `begin` has counted.
   void set_start(const PathStart& start) {
-    point_ = start.point;
+    hit_ = &own_;
+    own_.point = start.point;
     set_first(start.state, start.outgoing, start.depth, start.aim);
     if constexpr (Sink::follows_polarization)
       if (start.seen) sink_.seen = *start.seen;
@@ -62,31 +64,32 @@ class PathWalk {
   /// Goes to the first surface on a ray of a camera, to begin there; false if there is none.
   bool find(const Ray& ray) {
     ++counts_.rays;
-    if (!scene_.accelerator.closest_hit(ray, hit_, Aim::random)) return false;
+    hit_ = &own_;
+    if (!scene_.accelerator.closest_hit(ray, own_, Aim::random)) return false;
     set_found(ray);
     return true;
   }
 
-  /// Goes to the surface that was found on a ray of a camera, to begin there.
-  void set_found(const Ray& ray, const Hit& hit) {
-    hit_ = hit;
+  /// Goes to the surface that was found on a ray of a camera, to begin there. The hit must stay until the path has left it.
+  void set_found(const Ray& ray, Hit& hit) {
+    hit_ = &hit;
     set_found(ray);
   }
 
   /// The weight of light from beyond, if `find` has found nothing.
-  const Vec3& weight_beyond() const { return hit_.weight; }
+  const Vec3& weight_beyond() const { return hit_->weight; }
 
   /// Begins a path at the surface that was found; false if it ends there, at a lamp.
   bool begin_here(int count = 1) {
     counts_.paths += count;
     const Vec3 of_one = throughput_;
     throughput_ *= count;
-    if (point_.light >= 0)
+    if (point().light >= 0)
       add_lamp(count);
     else
       arrive(count);
     throughput_ = of_one;
-    return point_.light < 0;
+    return point().light < 0;
   }
 
   /// Follows the path from the surface that it has reached to its end.
@@ -94,20 +97,20 @@ class PathWalk {
     hero_ = scene_.hero_of(numbers);
     const Lines lines = scene_.lines_of(hero_);
     for (;;) {
-      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point_, lines);
+      const Bsdf bsdf = common_ ? common_->bsdf : make_bsdf(material(), point(), lines);
       // One visit per surface: inside it the functions of this kind of surface are called directly.
       const auto next = std::visit([&](const auto& b) { return scatter(b, numbers); }, bsdf);
       if (!next) return;
-      if constexpr (Sink::follows_phase) sink_.scatter(point_, *next);
+      if constexpr (Sink::follows_phase) sink_.scatter(point(), *next);
       if (scene_.caustics.has_rectangles && next->lobe != Lobe::specular)
-        last_scatter_ = {point_, next->direction, point_.is_particle() ? 0 : next->pdf, depth_};
-      if (!leave({scene_.accelerator.leave(point_, next->direction), next->direction}, next->lobe, next->pdf)) return;
+        last_scatter_ = {point(), next->direction, point().is_particle() ? 0 : next->pdf, depth_};
+      if (!leave({scene_.accelerator.leave(point(), next->direction), next->direction}, next->lobe, next->pdf)) return;
     }
   }
 
   /// The surface that the path has reached, and the throughput on the way to it.
-  const SurfacePoint& point() const { return point_; }
-  const Material& material() const { return scene_.scene.materials[size_t(point_.material)]; }
+  const SurfacePoint& point() const { return hit_->point; }
+  const Material& material() const { return scene_.scene.materials[size_t(point().material)]; }
   const Vec3& throughput() const { return throughput_; }
   PathAutomaton::State state() const { return state_; }
   int depth() const { return depth_; }
@@ -129,8 +132,8 @@ class PathWalk {
   };
 
   /// Continues a path that left a surface along a ray drawn with density `pdf` [1/sr]. False if it ends before another surface.
-  /// @param hit  the first surface on the ray, if the path looks on; nullptr if there is none
-  bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf, const Hit* hit) {
+  /// @param hit  the first surface on the ray, if the path looks on; nullptr if there is none. It must stay until the path has left it.
+  bool leave_diffuse(const Leaving& path, const Ray& ray, double pdf, Hit* hit) {
     if (scene_.caustics.has_rectangles)
       last_scatter_ = {path.surfaces.point(path.index), ray.direction, pdf, path.depth};
     state_ = path.state;
@@ -142,10 +145,8 @@ class PathWalk {
     aim_ = Aim::random;
     if (!looks_on(state_, depth_)) return end(ray);
     ++counts_.rays;
-    if (hit)
-      hit_ = *hit;
-    else
-      hit_.weight = {1, 1, 1};  // the throughput has it
+    hit_ = hit ? hit : &own_;
+    if (!hit) own_.weight = {1, 1, 1};  // the throughput has it
     return reach(ray, ray.origin, hit);
   }
 
@@ -159,7 +160,7 @@ class PathWalk {
   /// these paths leave that out (set_common).
   CommonStart add_direct_light_at_start(const PathStart& start, int paths, LowDiscrepancy& numbers) {
     set_start(start);
-    CommonStart common{make_bsdf(material(), point_, scene_.lines)};
+    CommonStart common{make_bsdf(material(), point(), scene_.lines)};
     common.dimensions = std::visit(
         [&](const auto& b) { return direct_light_.add_for_paths(b, vertex(), paths, numbers); }, common.bsdf);
     return common;
@@ -190,9 +191,9 @@ class PathWalk {
 
  private:
   void set_found(const Ray& ray) {
-    if (point_.light < 0 && has_mapped_normals(material())) point_ = shading_point(material(), point_);
+    if (point().light < 0 && has_mapped_normals(material())) hit_->point = shading_point(material(), point());
     set_first(automaton_.start(), -ray.direction, 1, Aim::random);
-    throughput_ = hit_.weight;
+    throughput_ = hit_->weight;
   }
 
   void set_first(PathAutomaton::State state, Vec3 outgoing, int depth, Aim aim) {
@@ -211,10 +212,10 @@ class PathWalk {
   /// Counts the surface that the path has reached, and adds what it emits.
   void arrive(int count = 1) {
     counts_.vertices += count;
-    if (emitters_.is_emissive(point_.material)) add_emission(material());
+    if (emitters_.is_emissive(point().material)) add_emission(material());
   }
 
-  PathVertex vertex() const { return {point_, outgoing_, state_, depth_, aim_, throughput_, hero_}; }
+  PathVertex vertex() const { return {point(), outgoing_, state_, depth_, aim_, throughput_, hero_}; }
 
   /// Whether light of different lines leaves a surface of dispersive glass in different directions, also where it reflects: a rough one.
   /// A smooth one reflects all lines in the same direction, each by its own reflectance.
@@ -243,10 +244,10 @@ class PathWalk {
   void add_emission(const Material& material) {
     const uint32_t path_groups = automaton_.accepted(state_);
     if (!path_groups) return;
-    Vec3 light = throughput_ * emitted_radiance(material, point_, scene_.lines);
-    if (pdf_ > 0 && !point_.is_particle()) {  // particles are only met
-      const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
-      light *= shared_weight(pdf_, emitters_.triangles().pdf(point_.mesh, point_.triangle, distance_, cosine));
+    Vec3 light = throughput_ * emitted_radiance(material, point(), scene_.lines);
+    if (pdf_ > 0 && !point().is_particle()) {  // particles are only met
+      const double cosine = std::abs(dot(point().geometric_normal, outgoing_));
+      light *= shared_weight(pdf_, emitters_.triangles().pdf(point().mesh, point().triangle, distance_, cosine));
     }
     add_met(path_groups, emitters_.mesh_group(), light);
   }
@@ -256,12 +257,12 @@ class PathWalk {
   void add_lamp(int count = 1) {
     counts_.absorbed += count;
     const uint32_t path_groups = automaton_.accepted(state_);
-    if (!path_groups || !point_.is_front) return;
-    const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point_.light)]);
-    const double cosine = std::abs(dot(point_.geometric_normal, outgoing_));
+    if (!path_groups || !point().is_front) return;
+    const auto& light = std::get<RectangleLight>(emitters_.lights()[size_t(point().light)]);
+    const double cosine = std::abs(dot(point().geometric_normal, outgoing_));
     const double weight = pdf_ > 0 ? shared_weight(pdf_, pdf(light, distance_, cosine))
-                                   : weight_by_mirrors(point_.light, {point_.position, -outgoing_}, 0);
-    add_met(path_groups, point_.light, throughput_ * light.radiance * weight);
+                                   : weight_by_mirrors(point().light, {point().position, -outgoing_}, 0);
+    add_met(path_groups, point().light, throughput_ * light.radiance * weight);
   }
 
   /// The weight of the light of a rectangle that the path has met by mirrors and glass, at a distance along a ray: DirectLight
@@ -320,8 +321,9 @@ class PathWalk {
     if (pdf_ > 0) aim_ = Aim::random;
     if (!looks_on(state_, depth_)) return end(ray);
     ++counts_.rays;
-    const Vec3 here = point_.position;
-    return reach(ray, here, scene_.accelerator.closest_hit(ray, hit_, aim_));
+    const Vec3 here = point().position;
+    hit_ = &own_;
+    return reach(ray, here, scene_.accelerator.closest_hit(ray, own_, aim_));
   }
 
   /// Ends a path that does not look on along a ray. For max_depth, it is counted whether a surface would have followed.
@@ -340,13 +342,13 @@ class PathWalk {
 
   /// Arrives at the surface that a ray from `here` has met, if it has; false if the path ends.
   bool reach(const Ray& ray, [[maybe_unused]] Vec3 here, bool has_hit) {
-    distance_ = has_hit ? hit_.distance : std::numeric_limits<double>::infinity();
-    if (scene_.accelerator.has_media()) throughput_ *= hit_.weight;
+    distance_ = has_hit ? hit_->distance : std::numeric_limits<double>::infinity();
+    if (scene_.accelerator.has_media()) throughput_ *= hit_->weight;
     // A lamp in the plane of a wall counts as in front of it, as in the sampling of lights.
-    if (emitters_.shine_beyond_surfaces())
-      add_light_on_way(ray, distance_ + (has_hit ? point_.clearance : 0), state_, pdf_, throughput_);
+    if (emitters_.shine_on_way())
+      add_light_on_way(ray, distance_ + (has_hit ? point().clearance : 0), state_, pdf_, throughput_);
     outgoing_ = -ray.direction;
-    if (has_hit && point_.light >= 0) {
+    if (has_hit && point().light >= 0) {
       add_lamp();
       return false;
     }
@@ -354,8 +356,8 @@ class PathWalk {
       ++(!has_hit ? counts_.escaped : is_counted_ ? counts_.cut : counts_.absorbed);
       return false;
     }
-    if constexpr (Sink::follows_phase) sink_.travel(length(point_.position - here));
-    if (has_mapped_normals(material())) point_ = shading_point(material(), point_);
+    if constexpr (Sink::follows_phase) sink_.travel(length(point().position - here));
+    if (has_mapped_normals(material())) hit_->point = shading_point(material(), point());
     ++depth_;
     arrive();
     return true;
@@ -368,8 +370,8 @@ class PathWalk {
   PathCounts& counts_;
 
   PathAutomaton::State state_ = 0;
-  Hit hit_;
-  SurfacePoint& point_ = hit_.point;
+  Hit own_;
+  Hit* hit_ = &own_;  // that the path has reached: its own, or one of those that were found for a group of paths
   Vec3 outgoing_, throughput_{1, 1, 1};
   int depth_ = 1;
   double scale_ = 1;  // factor of the throughput from refractive indices and from parted lines
