@@ -35,11 +35,11 @@ void sample_lights(const DiffuseSurfaces& at, const LightLanes& light, const Pla
     const Vectors from = load(at.position, i);
     if (light.is_point) {
       const Vectors way = minus(load(light.corner, i), from);
-      const V squared = dot_of(way, way), distance = hn::Sqrt(squared), inverse = hn::Div(one, distance);
+      const V distance = length_of(way), inverse = hn::Div(one, distance);
       const Vectors direction = times(way, inverse);
       const V reflected = hn::Mul(dot_of(load(at.normal, i), direction), set(1 / pi));
-      const auto is_lit = hn::And(hn::And(hn::Gt(squared, zero), hn::Gt(reflected, zero)),
-                                  hn::Ge(dot_of(load(at.geometric_normal, i), direction), zero));
+      const auto is_lit =  // at the light itself, where `reflected` is no number, nothing is
+          hn::And(hn::Gt(reflected, zero), hn::Ge(dot_of(load(at.geometric_normal, i), direction), zero));
       store(hn::IfThenElseZero(is_lit, hn::Mul(reflected, hn::Mul(inverse, inverse))), samples->share, i);
       store(direction, samples->direction, i);
       store(hn::Sub(distance, load(at.clearance, i)), samples->distance, i);
