@@ -69,7 +69,7 @@ Chart residual_chart(const PanelFit& fit) {
 }
 
 struct PatternOptions {
-  std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", output;
+  std::string slm = "pluto", wavelength, distance = "300 mm", output;
   Flags flags;
 };
 
@@ -82,9 +82,9 @@ struct FitOptions {
 void write_patterns(const PatternOptions& o) {
   TestPatternParams params;
   o.flags.apply(params);
-  const double wavelength = parse_wavelength_flag(o.wavelength);
   const double distance = parse_length_flag("--distance", o.distance, range::positive);
   const Slm slm = load_slm(o.slm);
+  const double wavelength = o.wavelength.empty() ? usual_wavelength(slm) : parse_wavelength_flag(o.wavelength);
   CalibrationPlan plan{distance, make_test_patterns(slm, wavelength, distance, params)};
   const double least = slm.grid.pitch * std::max(slm.grid.width(), slm.grid.height()) / wavelength;
   if (distance < least)
@@ -150,7 +150,9 @@ void add_calibrate_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* patterns = command->add_subcommand("patterns", "test patterns to show on the panel, and their plan");
   auto p = std::make_shared<PatternOptions>();
   add_slm(*patterns, p->slm, "pluto");
-  patterns->add_option("--wavelength", p->wavelength, "wavelength of the light [" + p->wavelength + "]")
+  patterns
+      ->add_option("--wavelength", p->wavelength,
+                   "wavelength of the light [design wavelength of the panel, or 632.8 nm]")
       ->type_name("WAVELENGTH");
   patterns->add_option("--distance", p->distance, "distance from the panel to the camera's bare sensor [300 mm]")
       ->type_name("LENGTH");

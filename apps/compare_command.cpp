@@ -64,6 +64,7 @@ bool place_render(Image& render, const std::string& render_path, const Image& vi
   facts["placed"] = fmt::format("{} ({} pixels) on the {} pixels of {}, each the mean over its area, by report.json",
                                 render_path, size_text(render), size_text(view), view_path);
   facts["colours"] = "light of " + colour_text(known->place.wavelengths);
+  if (known->psnr) facts["psnr_of_run_db"] = *known->psnr;
   render = render_at(render, known->place, view.ny, view.nx);
   return true;
 }

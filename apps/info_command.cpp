@@ -165,7 +165,7 @@ Json describe_input(const std::string& path, const Flags& flags, Outside outside
 void add_info_command(CLI::App& app, const GlobalFlags& global) {
   CLI::App* command = app.add_subcommand(
       "info",
-      "contents of any file that holotrace reads or of the folder of a run; data of a panel; or a list of the known "
+      "contents of any file that holotrace reads or of the folder of a run or a film; data of a panel; or a list of the known "
       "panels, the known lights or the devices of this machine");
   struct Options {
     std::string path, slm;
@@ -173,7 +173,7 @@ void add_info_command(CLI::App& app, const GlobalFlags& global) {
     Flags flags;
   };
   auto o = std::make_shared<Options>();
-  auto* file = command->add_option("file", o->path, "file, or folder of a run")->type_name("FILE|DIR");
+  auto* file = command->add_option("file", o->path, "file, or folder of a run or a film")->type_name("FILE|DIR");
   auto* slm =
       command
           ->add_option("--slm", o->slm,

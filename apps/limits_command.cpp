@@ -170,8 +170,7 @@ std::string vision_text(const LimitsQuestion& q) {
 }
 
 struct LimitsOptions {
-  std::string slm = "pluto", wavelength = "632.8 nm", distance = "300 mm", period, angle, size, resolution, scene,
-              picture, plot;
+  std::string slm = "pluto", wavelength, distance = "300 mm", period, angle, size, resolution, scene, picture, plot;
   int order = 1, colours = 1;
   double frames = 0;  // frames per second
   bool is_json = false;
@@ -179,15 +178,16 @@ struct LimitsOptions {
 
 LimitsQuestion question_of(const LimitsOptions& o, const CLI::App& command, const GlobalFlags& global) {
   LimitsQuestion q;
-  q.wavelengths = parse_wavelengths_flag(o.wavelength);
+  if (!o.wavelength.empty()) q.wavelengths = parse_wavelengths_flag(o.wavelength);
   if (o.scene.empty()) {
     q.slm = load_slm(o.slm);
   } else {
     const Job job = load_scene(o.scene, global.outside());
     q.slm = command.count("--slm") > 0 ? load_slm(o.slm) : job.slm;
-    if (command.count("--wavelength") == 0) q.wavelengths = job.wavelengths;
+    if (o.wavelength.empty()) q.wavelengths = job.wavelengths;
     q.points = points_of(job.scene);
   }
+  if (q.wavelengths.empty()) q.wavelengths = {usual_wavelength(q.slm)};
   q.distance = parse_length_flag("--distance", o.distance, range::positive);
   // By default the mean depth of the scene, if one is given.
   if (!q.points.empty() && command.count("--distance") == 0) {
@@ -227,7 +227,7 @@ void answer_about_panel(const LimitsOptions& o, const CLI::App& command, const G
 
 // The panel that is needed for a given angle, size and resolution.
 void answer_backwards(const LimitsOptions& o, bool has_rate) {
-  const double wavelength = parse_wavelength_flag(o.wavelength);
+  const double wavelength = o.wavelength.empty() ? usual_wavelength({}) : parse_wavelength_flag(o.wavelength);
   const double angle = parse_angle_flag("--angle", o.angle, range::between(0, pi / 2)),
                pitch = wanted_pitch(wavelength, angle);
   Json facts{{"wavelength_m", wavelength}, {"half_angle_deg", angle * 180 / pi}, {"wanted_pitch_m", pitch}};
@@ -275,7 +275,9 @@ void answer_backwards(const LimitsOptions& o, bool has_rate) {
 
 void add_flags(CLI::App& command, LimitsOptions& o) {
   add_slm(command, o.slm, "pluto");
-  command.add_option("--wavelength", o.wavelength, "wavelength; several get a column each [" + o.wavelength + "]")
+  command
+      .add_option("--wavelength", o.wavelength,
+                  "wavelength; several get a column each [design wavelength of the panel, or 632.8 nm]")
       ->type_name("WAVELENGTHS");
   command
       .add_option("--distance", o.distance,

@@ -48,14 +48,6 @@ void bind_panel(nb::module_& module) {
   bind_bytes<Slm>(slm);
   slm.def_static("load", [](const std::string& name) { return load_slm(name); });
   slm.def_static("preset_names", &slm_preset_names);
-  slm.def_static("plain", [](int columns, int rows, double pitch, const std::string& modulation, int levels) {
-    Slm panel;
-    panel.grid = {columns, rows, pitch};
-    panel.modulation = modulation_of(modulation);
-    panel.levels = levels;
-    check_slm(panel);
-    return panel;
-  });
   slm.def_ro("name", &Slm::name);
   slm.def_prop_ro("columns", [](const Slm& s) { return s.grid.nx; });
   slm.def_prop_ro("rows", [](const Slm& s) { return s.grid.ny; });
@@ -64,20 +56,11 @@ void bind_panel(nb::module_& module) {
   slm.def_ro("levels", &Slm::levels);
   slm.def_ro("fill_factor", &Slm::fill_factor);
   slm.def_ro("design_wavelength", &Slm::design_wavelength);
+  slm.def_prop_ro("usual_wavelength", [](const Slm& s) { return usual_wavelength(s); });
   slm.def_ro("phase_range", &Slm::phase_range);
   slm.def_ro("source", &Slm::source);
   slm.def_prop_ro("effects", [](const Slm& s) { return effects_of(s); });
   slm.def("with_effects", [](const Slm& s, const std::vector<std::string>& names) { return with_effects(s, names); });
-  slm.def(
-      "with_grid",
-      [](Slm s, int columns, int rows, nb::handle pitch) {
-        s.grid.nx = columns > 0 ? columns : s.grid.nx;
-        s.grid.ny = rows > 0 ? rows : s.grid.ny;
-        if (!pitch.is_none()) s.grid.pitch = to_length(pitch, "pitch");
-        check_slm(s);
-        return s;
-      },
-      nb::arg("columns"), nb::arg("rows"), nb::arg("pitch").none());
 }
 
 Hologram make_hologram(const In2<uint16_t>& level, nb::handle pitch, nb::handle wavelength, int levels,

@@ -54,19 +54,27 @@ def register(
     return Image._of(core, watch.facts), dict(figures)
 
 
+def usual_light(slm: Slm) -> Length:
+    """The wavelength that a panel is made for, if it is known, else that of a helium-neon laser [m]."""
+    return float(slm._core.usual_wavelength)
+
+
 def limits(
     slm: Panel = "pluto",
     *,
-    wavelength: Lengths = "632.8 nm",
+    wavelength: Optional[Lengths] = None,
     distance: Length = "300 mm",
     scene: Optional[Scene] = None,
 ) -> Dict[str, Any]:
     """What a panel can show at a distance: angles, resolution, depth of focus, eyebox, alias-free and replica-free sizes.
 
-    All figures are in SI units and degrees, by the names that ``holotrace limits --json`` has.
+    All figures are in SI units and degrees, by the names that ``holotrace limits --json`` has. ``wavelength`` is by default the
+    panel's design wavelength, if it has one, else 632.8 nm.
     """
     core = None if scene is None else a(Scene, scene, "")
-    figures: Dict[str, Any] = json.loads(_core.limits(panel(slm)._core, wavelength, distance, core))
+    shown = panel(slm)
+    wavelength = usual_light(shown) if wavelength is None else wavelength
+    figures: Dict[str, Any] = json.loads(_core.limits(shown._core, wavelength, distance, core))
     return figures
 
 
@@ -123,10 +131,15 @@ def load_calibration_plan(path: Path) -> CalibrationPlan:
 
 @takes("patterns")
 def calibration_patterns(
-    slm: Panel = "pluto", *, wavelength: Length = "632.8 nm", distance: Length = "300 mm", **params: Any
+    slm: Panel = "pluto", *, wavelength: Optional[Length] = None, distance: Length = "300 mm", **params: Any
 ) -> CalibrationPlan:
-    """Test patterns that measure a panel, which is assumed to be ``slm``."""
-    return CalibrationPlan._of(_core.CalibrationPlan.make(panel(slm)._core, wavelength, distance, params))
+    """Test patterns that measure a panel, which is assumed to be ``slm``.
+
+    ``wavelength`` is by default the panel's design wavelength, if it has one, else 632.8 nm.
+    """
+    assumed = panel(slm)
+    wavelength = usual_light(assumed) if wavelength is None else wavelength
+    return CalibrationPlan._of(_core.CalibrationPlan.make(assumed._core, wavelength, distance, params))
 
 
 @takes("calibrate")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Optional, Sequence, Tuple, Union
+from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -20,46 +20,47 @@ class Slm(Noun):
 
     Parameters
     ----------
-    name : text
-        A preset (``Slm.names()``), such as ``"pluto"``, or a file with the keys of a scene's ``[slm]``. None: a panel
-        without effects of the given columns, rows and pitch.
-    columns, rows, pitch
-        Size and pixel pitch; with a name they replace those of the preset.
-    modulation : "phase", "amplitude" or "complex"
-        Only without a name.
-    levels : whole number
-        Only without a name.
+    name : text or dict
+        A preset (``Slm.names()``), such as ``"pluto"``, or a file with the keys of a scene's ``[slm]``; or these keys as a
+        dict. None: a panel without effects of the given columns, rows and pitch.
+    columns, rows, pitch, modulation, levels
+        Size, pixel pitch, ``"phase"``, ``"amplitude"`` or ``"complex"``, and number of levels.
+    others
+        All other keys of ``[slm]``, such as ``fill_factor`` and ``crosstalk``. They replace those of the preset.
     """
 
     __slots__ = ()
 
     def __init__(
         self,
-        name: Optional[Path] = None,
+        name: Union[Path, Mapping[str, Any], None] = None,
         *,
-        columns: int = 0,
-        rows: int = 0,
+        columns: Optional[int] = None,
+        rows: Optional[int] = None,
         pitch: Optional[Length] = None,
         modulation: Optional[str] = None,
         levels: Optional[int] = None,
+        **others: Any,
     ) -> None:
-        if name is None:
-            if pitch is None or count(columns, "columns") == 0 or count(rows, "rows") == 0:
-                raise _core.Error("expected the name of a panel, or its columns, rows and pitch")
-            core = _core.Slm.plain(
-                count(columns, "columns"),
-                count(rows, "rows"),
-                _core.length(pitch, "pitch"),
-                "phase" if modulation is None else text(modulation, "modulation"),
-                256 if levels is None else count(levels, "levels"),
-            )
-        else:
-            if modulation is not None or levels is not None:
-                raise _core.Error("expected modulation and levels only without the name of a panel; leave them out")
+        keys = dict(others)
+        for key, value in (("columns", columns), ("rows", rows), ("levels", levels)):
+            if value is not None:
+                keys[key] = count(value, key)
+        if pitch is not None:
+            keys["pitch"] = _core.length(pitch, "pitch")
+        if modulation is not None:
+            keys["modulation"] = text(modulation, "modulation")
+        if isinstance(name, Mapping):
+            core = _core.slm_of_table({**name, **keys})
+        elif name is not None and not keys:
             core = _core.Slm.load(os.fspath(name))
-            size = count(columns, "columns"), count(rows, "rows")
-            if any(size) or pitch is not None:
-                core = core.with_grid(*size, pitch)
+        elif name is not None:
+            path = os.fspath(name)
+            core = _core.slm_of_table({"preset": os.path.abspath(path) if path.endswith(".toml") else path, **keys})
+        elif columns is None or rows is None or pitch is None:
+            raise _core.Error("expected the name of a panel, or its columns, rows and pitch")
+        else:
+            core = _core.slm_of_table(keys)
         self._core = core
         self.facts = {}
 

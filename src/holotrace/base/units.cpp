@@ -18,7 +18,9 @@ struct Unit {
 
 constexpr std::array<Unit, 7> length_units{
     {{"nm", 1e9, -9}, {"um", 1e6, -6}, {"µm", 1e6, -6}, {"μm", 1e6, -6}, {"mm", 1e3, -3}, {"cm", 1e2, -2}, {"m", 1}}};
-constexpr std::array<Unit, 4> angle_units{{{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}}};
+constexpr std::array<Unit, 6> angle_units{
+    {{"deg", 180 / pi}, {"°", 180 / pi}, {"mrad", 1e3}, {"rad", 1}, {"pi", 1 / pi}, {"π", 1 / pi}}};
+constexpr std::array<Unit, 1> percent{{{"%", 1e2, -2}}};
 constexpr std::array<Unit, 6> time_units{
     {{"s", 1}, {"ms", 1e3, -3}, {"us", 1e6, -6}, {"µs", 1e6, -6}, {"μs", 1e6, -6}, {"min", 1.0 / 60}}};
 constexpr std::array<Unit, 9> size_units{{{"B", 1},
@@ -114,7 +116,7 @@ std::vector<double> parse(std::string_view text, const std::array<Unit, N>& unit
     if (!unit) {
       std::string known;
       for (const Unit& candidate : units)
-        if (candidate.name != "μm" && candidate.name != "μs" && candidate.name != "°")
+        if (candidate.name != "μm" && candidate.name != "μs" && candidate.name != "°" && candidate.name != "π")
           known += (known.empty() ? "" : ", ") + std::string(candidate.name);
       fail("expected {} in one of the units {}, got \"{}\"", kind, known, text);
     }
@@ -160,6 +162,8 @@ double parse_length(std::string_view text, std::string_view name) {
 double parse_angle(std::string_view text) {
   return only(parse(text, angle_units, "an angle", "15 deg"), text, "angle");
 }
+
+double parse_percent(std::string_view text) { return only(parse(text, percent, "a part", "92 %"), text, "part"); }
 
 double parse_time(std::string_view text) { return only(parse_times(text), text, "time"); }
 

@@ -36,9 +36,13 @@ inline constexpr double most_length = 1e6;
 /// @throws Error for a missing or unknown unit, or a number that is not finite or above most_length.
 double parse_length(std::string_view text, std::string_view name = {});
 
-/// Radians from a number with its unit: "15 deg", "0.2 rad", "3 mrad".
+/// Radians from a number with its unit: "15 deg", "0.2 rad", "3 mrad", "2.2 pi".
 /// @throws Error for a missing or unknown unit, or a number that is not finite.
 double parse_angle(std::string_view text);
+
+/// A number from percent: "92 %" is 0.92.
+/// @throws Error for another text, or a number that is not finite
+double parse_percent(std::string_view text);
 
 /// Seconds from a number with its unit: "0.5 s", "40 ms", "2 min". Units: s, ms, us, µs, min.
 /// @throws Error for a missing or unknown unit, and a number that is not finite.

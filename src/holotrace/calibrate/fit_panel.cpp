@@ -149,11 +149,11 @@ class PanelSearch {
     }
     try {
       unknowns_.camera = camera_of(register_image(largest_of(seen), largest_of(expected)));
-    } catch (const Error& error) {
+    } catch (const Error&) {
       fail(
-          "expected photographs that show the spots of their patterns at {} from the panel, but: {}; check the "
-          "distance, that there is no lens before the sensor, and whether the photographs are mirror images (mirrored)",
-          format_length(plan_.distance), error.what());
+          "expected photographs that show the spots of their patterns at {} from the panel, got some in which these are not found; "
+          "check the distance, that there is no lens before the sensor, and whether the photographs are mirror images (mirrored)",
+          format_length(plan_.distance));
     }
     for (size_t i = 0; i < photographs.size(); ++i)
       exposures_.push_back({&plan_.patterns[i].hologram,

@@ -107,6 +107,9 @@ struct Slm {
   double lit_y() const { return fill_y > 0 ? fill_y : std::sqrt(fill_factor); }
 };
 
+/// The design wavelength of a panel, if it is known, else that of a helium-neon laser [m].
+inline double usual_wavelength(const Slm& slm) { return slm.design_wavelength > 0 ? slm.design_wavelength : 632.8e-9; }
+
 /// A calibration at a fractional level ≥ 0: linear interpolation between its points, of which there are at least two.
 /// Beyond the last point the phase continues with the last slope, and the amplitude is constant.
 CalibrationPoint calibration_at(const std::vector<CalibrationPoint>& points, double level);

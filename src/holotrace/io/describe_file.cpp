@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 
 #include "holotrace/base/error.h"
@@ -139,6 +140,42 @@ Json describe_run(const std::string& folder) {
 }
 
 namespace {
+
+// A film: what its first time says of all, and the figures of all times.
+Json describe_film(const std::string& folder) {
+  const RunFolder film = list_run(folder);
+  require(
+      !film.report.empty() && !is_incomplete_report(film.report),
+      "expected the folder of a complete film, but {} has no report yet; the same `holotrace animate` goes on with it",
+      folder);
+  const Json report = parse_json_if_sound(read_text(film.report, most_text));
+  Json json{{"kind", "film"}, {"times", 0}};
+  for (const char* key : {"fps", "seconds_of_film", "shutter_s"})
+    if (const auto figure = number_in(report, key)) json[key] = *figure;
+  const Json first = describe_run(time_folder(folder, 0));
+  for (const auto& [name, value] : first.items())
+    if (!value.is_array() && !name.starts_with(run_view) && name != "kind" && name != "views" && name != "seconds" &&
+        name != "version")
+      json[name == "holograms" ? "holograms_of_a_time" : name] = value;
+  std::vector<double> psnr;
+  std::vector<std::string> warnings;
+  for (const Json& time : report.is_object() ? report.value("times", Json::array()) : Json::array()) {
+    if (!time.is_object()) continue;
+    json["times"] = json["times"].get<int>() + 1;
+    for (const Json& view : time.value("views", Json::array()))
+      if (const auto figure = number_in(view, "psnr_db")) psnr.push_back(*figure);
+    for (const Json& warning : time.value("warnings", Json::array()))
+      if (warning.is_string() && std::find(warnings.begin(), warnings.end(), warning) == warnings.end())
+        warnings.push_back(warning);
+  }
+  if (!psnr.empty())
+    json["psnr"] = fmt::format("{:.1f} dB on average, {:.1f} dB at least, against the renders",
+                               std::accumulate(psnr.begin(), psnr.end(), 0.0) / double(psnr.size()),
+                               *std::min_element(psnr.begin(), psnr.end()));
+  if (const auto seconds = number_in(report, "seconds")) json["seconds"] = *seconds;
+  json["warnings"] = warnings;
+  return json;
+}
 
 std::string size_text(int nx, int ny) { return fmt::format("{}x{}", nx, ny); }
 
@@ -373,7 +410,7 @@ Json describe_slm(const Slm& slm) {
 }
 
 Json describe_file(const std::string& path, Outside outside) {
-  if (is_folder(path)) return describe_run(path);
+  if (is_folder(path)) return is_film_folder(path) ? describe_film(path) : describe_run(path);
   check_file_exists(path, "a file");
   const std::string extension = extension_of(path);
   if (is_panel_file(path)) return describe_slm(load_slm(path));

@@ -145,6 +145,7 @@ std::optional<RenderOfView> render_of_view(const std::string& view) {
     } catch (const nlohmann::json::exception&) {
       return std::nullopt;
     }
+    if (stage.contains("psnr_db") && stage["psnr_db"].is_number()) found.psnr = stage["psnr_db"].get<double>();
     const ViewPlace& p = found.place;
     if (p.render < 1 || p.wavelengths.empty() || !(p.half_tangent > 0) || !(std::abs(p.distance) > 0) || !(p.pixel > 0))
       return std::nullopt;
@@ -198,8 +199,17 @@ RunFolder list_run(const std::string& folder) {
   return run;
 }
 
+std::string time_folder(const std::string& film, size_t time) {
+  return (fs::path(film) / fmt::format("t_{:04}", time + 1)).string();
+}
+
+bool is_film_folder(const std::string& folder) { return is_folder(time_folder(folder, 0)); }
+
 RunFolder list_complete_run(const std::string& folder) {
   RunFolder run = list_run(folder);
+  require(!run.holograms.empty() || !is_film_folder(folder),
+          "expected the folder of a run, but {} is that of a film; give that of one of its times, such as {}", folder,
+          time_folder(folder, 0));
   require(
       !run.holograms.empty(),
       "expected the folder of a run, but {} holds no {}{}; give a folder that `holotrace run -o` has written, or files",

@@ -70,6 +70,8 @@ struct RenderOfView {
   std::string path;      ///< picture, in which light brighter than white is clipped
   std::string radiance;  ///< .exr with the radiance that the metrics compare; "" if the run did not write it
   ViewPlace place;
+  std::optional<double>
+      psnr;  ///< of the view in the report: against the render without its noise, before rounding to 8 bits [dB]
 };
 
 /// The render that shows what a view of a run should show, from the report beside the view. None if there is no such
@@ -92,11 +94,16 @@ struct RunFolder {
   std::string field, report;           ///< field.npy and report.json; "" where there is none
 };
 
+/// The folder of time 0, 1, … in that of a film: a run.
+std::string time_folder(const std::string& film, size_t time);
+
+bool is_film_folder(const std::string& folder);
+
 /// Lists the files of a folder. It may hold no run, or a part of one.
 RunFolder list_run(const std::string& folder);
 
 /// The same for a reader that needs a complete run with holograms.
-/// @throws Error  if there is no hologram, or if the report says that the run was ended while it wrote its files
+/// @throws Error  if there is no hologram, as in the folder of a film, or if the report says that the run was ended while it wrote its files
 RunFolder list_complete_run(const std::string& folder);
 
 /// Checks that holograms that were written together, as far as their names say so, are of one call: more frames of an earlier

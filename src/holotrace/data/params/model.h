@@ -56,7 +56,7 @@ void describe(Visitor&& v, ModelParams& p) {
            {{"auto", ModelLights::choose}, {"file", ModelLights::file}, {"studio", ModelLights::studio}},
            "models: lamps: those of its file (glTF), two of a photographer, or auto: those of the file if it has any"));
   v(text("model_camera", p.model_camera,
-         "models: name of a camera of the file (glTF) whose view is shown, without a floor; "
+         "models: name of a camera of the file (glTF), or its number from 1, whose view is shown, without a floor; "
          "up, rotation and fit then do not count"));
   v(number("series_fps", p.series_fps, range::above_to(0, 1e5),
            "series of models or pictures (wave_####.ply, frame_####.png): files per second"));

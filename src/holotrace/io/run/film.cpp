@@ -80,7 +80,7 @@ EarlierRun run_of(const Job& job, const StageObserver& stages, const CheckpointO
 std::vector<Hologram> last_holograms(const std::string& folder, size_t time) {
   std::vector<Hologram> holograms;
   if (time > 0)
-    for (const std::string& path : list_complete_run(film_folder(folder, time - 1)).holograms)
+    for (const std::string& path : list_complete_run(time_folder(folder, time - 1)).holograms)
       holograms.push_back(load_hologram(path));
   return holograms;
 }
@@ -112,10 +112,6 @@ void save_pictures(const std::string& path, size_t count, const std::function<st
 
 }  // namespace
 
-std::string film_folder(const std::string& folder, size_t time) {
-  return (fs::path(folder) / fmt::format("t_{:04}", time + 1)).string();
-}
-
 std::vector<std::string> film_paths(const std::string& folder, FilmFormat format) {
   std::vector<std::string> paths;
   for (const std::string& name :
@@ -146,7 +142,7 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
     require(
         aims_at_scene(job) || job.render.reference != Reference::none,
         "expected a film with renders, by which all its views are exposed together, got reference = none; use quick or full");
-    const std::string own = film_folder(folder, i), own_job = fingerprint(job);
+    const std::string own = time_folder(folder, i), own_job = fingerprint(job);
     mark = plan.from_last ? fmt::format("{:016x}", fingerprint_of(mark, own_job)) : own_job;
     FilmStep step = FilmStep::kept;
     if (!holds_film_run(own, mark)) {
@@ -175,14 +171,14 @@ std::vector<std::string> make_times(const std::string& folder, const FilmPlan& p
 
 SavedRun finish_film(const std::string& folder, const FilmPlan& plan, const FilmWatch& watch) {
   const TimesOfFilm times{plan.times.size(),
-                          [&](size_t i) { return read_film_time(film_folder(folder, i), plan.times[i]); }};
+                          [&](size_t i) { return read_film_time(time_folder(folder, i), plan.times[i]); }};
   SavedRun saved;
   double white = 0;
   for (size_t i = 0; i < times.count; ++i) white = std::max(white, times.at(i).mark.white);
   const std::vector<EyeOfFilm> eyes = eyes_of_film(times);
   const std::string report = (fs::path(folder) / "report.json").string();
   const auto picture_path = [&](size_t i, const char* name) {
-    return (fs::path(film_folder(folder, i)) / name).string();
+    return (fs::path(time_folder(folder, i)) / name).string();
   };
   Observer of_charts;
   of_charts.on_warning = [&](const std::string& sentence) { saved.notes.push_back(sentence); };
@@ -207,7 +203,7 @@ SavedRun finish_film(const std::string& folder, const FilmPlan& plan, const Film
     if (watch.before_naming) naming = watch.before_naming();
   });
   saved.notes.insert(saved.notes.end(), aside.begin(), aside.end());
-  if (const std::string beyond = film_folder(folder, times.count); fs::exists(beyond))
+  if (const std::string beyond = time_folder(folder, times.count); fs::exists(beyond))
     saved.notes.push_back(
         fmt::format("{} and the folders after it are of an earlier, longer film; remove them", beyond));
   return saved;

@@ -45,9 +45,6 @@ struct FilmWatch {
   std::function<std::shared_ptr<void>()> before_naming{};  ///< as save_run takes it
 };
 
-/// Path of the folder of a time, counted from 0: t_0001, t_0002, ….
-std::string film_folder(const std::string& folder, size_t time);
-
 /// The paths of the files that a film writes into its folder, beside the folders of its times.
 std::vector<std::string> film_paths(const std::string& folder, FilmFormat format);
 

@@ -43,6 +43,17 @@ struct Bounds {
   }
 };
 
+// The part of a box's front that lies before the panel, which is what a camera sees of it; 1 without an area.
+double seen_part(const Bounds& bounds, const Grid& panel) {
+  const double width = bounds.high.x - bounds.low.x, height = bounds.high.y - bounds.low.y;
+  if (!(width > 0 && height > 0)) return 1;
+  const auto within = [](double low, double high, double side) {
+    return std::max(0.0, std::min(high, side / 2) - std::max(low, -side / 2));
+  };
+  return within(bounds.low.x, bounds.high.x, panel.width()) / width *
+         within(bounds.low.y, bounds.high.y, panel.height()) / height;
+}
+
 Bounds bounds_of(const std::vector<Mesh>& meshes, const std::vector<ScenePoint>& points = {}) {
   Bounds bounds;
   for (const Mesh& mesh : meshes)
@@ -112,6 +123,15 @@ void SceneObjects::add_object(TomlTable object) {
     job_.warnings.push_back(fmt::format(
         "{}the object extends through the panel, from z = {} to {}; set its \"position\", such as \"0 0 -300 mm\"",
         object.where(""), format_length(bounds.low.z), format_length(bounds.high.z)));
+  const Grid& panel = job_.slm.grid;
+  if (object.has("file") && !geometry.meshes.empty() &&
+      seen_part(bounds, panel) < 0.25)  // an eye sees more than a camera
+    add_warning(
+        fmt::format("{}the model is {} wide and {} high, of which a camera sees {} × {}; set its \"fit\", such as "
+                    "\"{}\", its \"scale\" or its \"position\"",
+                    object.where(""), format_length(bounds.high.x - bounds.low.x),
+                    format_length(bounds.high.y - bounds.low.y), format_length(panel.width()),
+                    format_length(panel.height()), format_length(std::min(panel.width(), panel.height()))));
   for (Mesh& mesh : geometry.meshes) {
     if (mesh.material < 0) {
       if (default_material_ < 0) {

@@ -313,6 +313,15 @@ Slm load_panel(const std::string& name, std::vector<std::string> chain) {
   return slm;
 }
 
+// The levels of a panel whose file gives their bits, as data sheets do.
+void read_bits(TomlTable& table, int& levels) {
+  if (!table.has("bits")) return;
+  require(!table.has("levels"), "{}expected either \"bits\" or \"levels\", got both", table.where("bits"));
+  int bits = 0;
+  table.count("bits", bits, range::from_to(1, 16));
+  levels = 1 << bits;
+}
+
 // The pitch of a panel whose file gives it along both axes.
 void read_pitch_of_axes(TomlTable& table, double& pitch) {
   double x = 0, y = 0;
@@ -344,6 +353,7 @@ Slm read_over(TomlTable table, const std::string& preset, const std::vector<std:
   table.length("pitch", slm.grid.pitch, range::positive);
   read_pitch_of_axes(table, slm.grid.pitch);
   table.count("levels", slm.levels, range::from_to(2, 65536));
+  read_bits(table, slm.levels);
   table.number("fill_factor", slm.fill_factor, range::above_to(0, 1));
   if (table.has("fill_factor")) slm.fill_x = slm.fill_y = 0;
   table.number("fill_x", slm.fill_x, range::above_to(0, 1));

@@ -214,7 +214,15 @@ void TomlTable::count(const char* key, int64_t& value, const Range& range) {
 
 void TomlTable::number(const char* key, double& value, const Range& range) {
   interpolate(key, value, [&](const toml::node& node) {
-    const auto number = to_number(node);
+    auto number = to_number(node);
+    const auto text = range.high <= 1 ? node.value_exact<std::string>() : std::nullopt;
+    if (text && text->find('%') != std::string::npos) {  // a part of a whole
+      try {
+        number = parse_percent(*text);
+      } catch (const Error& e) {
+        throw Error(place(node.source()) + e.what());
+      }
+    }
     if (!number) fail_kind(key, "a number", node);
     check(key, node, *number, range, Quantity::number);
     return *number;

@@ -131,8 +131,10 @@ void check_head_to_show(const Field& field, const Slm& slm, const Observer& obse
         format_length(field.grid.centre_x), format_length(field.grid.centre_y)));
 }
 
-void warn_of_dark_field(const Observer& observer) {
-  observer.warn("the field is dark everywhere, so the hologram is empty; is a source inside the panel's view?");
+void warn_of_dark_field(double wavelength, const Observer& observer) {
+  observer.warn(fmt::format(
+      "the field is dark everywhere, so the hologram is empty; check that the scene is in the panel's view and has light of {}",
+      format_length(wavelength)));
 }
 
 ModulusMoments check_samples_to_show(const Field& field, const Observer& observer) {
@@ -141,7 +143,7 @@ ModulusMoments check_samples_to_show(const Field& field, const Observer& observe
           field.samples.nx, field.samples.ny);
   // Squares of floats neither overflow nor vanish in doubles: the sum is finite if all samples are, and 0 if all are 0.
   const ModulusMoments moments = modulus_moments(field);
-  if (moments.sum == 0) warn_of_dark_field(observer);
+  if (moments.sum == 0) warn_of_dark_field(field.wavelength, observer);
   if (std::isfinite(moments.sum)) return moments;
   for (int j = 0; j < field.grid.ny; ++j)
     for (int i = 0; i < field.grid.nx; ++i) {

@@ -37,7 +37,7 @@ void check_field_to_show(const Field& field, const Slm& slm, const Observer& obs
 /// @return  the moments of the samples, which tell whether all are finite
 void check_head_to_show(const Field& head, const Slm& slm, const Observer& observer);
 ModulusMoments check_samples_to_show(const Field& field, const Observer& observer);
-void warn_of_dark_field(const Observer& observer);
+void warn_of_dark_field(double wavelength, const Observer& observer);
 
 /// A hologram of a field, all levels 0, with all that later stages need to know of it.
 /// Facts: `encoder`, `levels`.

@@ -115,6 +115,19 @@ void warn_other_effects(const Hologram& hologram, const Slm& with, const Observe
         off, with.name, off));
 }
 
+// Levels are right for the data of the panel for which they were found, which may have been measured anew since.
+void warn_newer_data(const Hologram& hologram, const Slm& with, const Observer& observer) {
+  if (!hologram.slm) return;
+  const SlmEffects &then = hologram.slm->effects, &now = with.effects;
+  std::vector<std::string> newer;
+  if (!now.calibration.empty() && now.calibration != then.calibration) newer.push_back("calibration");
+  if (!now.aberration.empty() && now.aberration != then.aberration) newer.push_back("aberration");
+  if (!newer.empty())
+    observer.warn(
+        fmt::format("the hologram was made without the {} that the SLM \"{}\" has now; encode it again for this panel",
+                    fmt::join(newer, " and "), with.name));
+}
+
 void tell_effects(const Slm& slm, const Slm& with, const ShowParams& params, const Observer& observer) {
   const std::vector<std::string> has = effects_of(slm), on = effects_of(with);
   for (const std::string& name : params.effects)
@@ -183,6 +196,7 @@ void tell(const Hologram& hologram, const Slm& slm, const ShowParams& params, do
   const Slm with = with_effects_or_own(slm, params.effects);
   tell_effects(slm, with, params, observer);
   warn_other_effects(hologram, with, observer);
+  warn_newer_data(hologram, with, observer);
 }
 
 }  // namespace
