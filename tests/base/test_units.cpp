@@ -39,6 +39,15 @@ TEST(Units, AnglesAreInRadians) {
   EXPECT_DOUBLE_EQ(parse_angle("180 deg"), pi);
   EXPECT_EQ(parse_angle("0.25 rad"), 0.25);
   EXPECT_EQ(parse_angle("3 mrad"), 0.003);
+  EXPECT_DOUBLE_EQ(parse_angle("2.2 pi"), 2.2 * pi);
+  EXPECT_DOUBLE_EQ(parse_angle("-0.5π"), -pi / 2);
+}
+
+TEST(Units, PercentAreParts) {
+  EXPECT_EQ(parse_percent("92 %"), 0.92);
+  EXPECT_EQ(parse_percent("0.5%"), 0.005);
+  EXPECT_EQ(error_of([] { parse_percent("92"); }),
+            "expected a part with its unit, such as \"92 %\", got \"92\" without a unit");
 }
 
 TEST(Units, LengthsShareATrailingUnitOrCarryTheirOwn) {
@@ -75,7 +84,7 @@ TEST(Units, ErrorsSayWhatWasExpected) {
   EXPECT_EQ(error_of([] { parse_angle("15"); }),
             "expected an angle with its unit, such as \"15 deg\", got \"15\" without a unit");
   EXPECT_EQ(error_of([] { parse_angle("15 turns"); }),
-            "expected an angle in one of the units deg, mrad, rad, got \"15 turns\"");
+            "expected an angle in one of the units deg, mrad, rad, pi, got \"15 turns\"");
 }
 
 TEST(Units, SizesHaveUnitsOfAThousandOr1024) {

@@ -1,9 +1,11 @@
 // Films by the command line: holotrace animate.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -413,6 +415,25 @@ TEST(Animate, AFilmHasAPictureForEachTime) {
     EXPECT_EQ(gif.hundredths, 20);
     EXPECT_NE(gif.frames.at(0), gif.frames.at(1));
   }
+  const Outcome info = work.run({"info", "film", "--json"});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  const Json facts = Json::parse(info.out);
+  EXPECT_EQ(facts.at("kind"), "film");
+  EXPECT_EQ(facts.at("times"), 2);
+  EXPECT_EQ(facts.at("fps"), 5);
+  EXPECT_EQ(facts.at("holograms_of_a_time"), 1);
+  EXPECT_EQ(facts.at("encoder"), "phase");
+  EXPECT_EQ(facts.at("seconds_of_film"), 0.4);
+  double least = 1e9;
+  for (const char* time : {"film/t_0001/report.json", "film/t_0002/report.json"})
+    for (const Json& stage : Json::parse(work.read(time)).at("stages"))
+      if (stage.contains("psnr_of_black_db")) least = std::min(least, stage.at("psnr_db").get<double>());
+  EXPECT_NE(facts.at("psnr").get<std::string>().find(fmt::format("{:.1f} dB at least", least)), std::string::npos)
+      << facts.at("psnr");
+  const Outcome shown = work.run({"show", "film", "-o", "v.png"});
+  EXPECT_NE(shown.err.find("film is that of a film; give that of one of its times, such as film/t_0001"),
+            std::string::npos)
+      << shown.err;
   ASSERT_EQ(work.run({"animate", "scene.toml", "-o", "film", "--film-format", "png", "-q"}).exit_code, 0);
   EXPECT_FALSE(work.has("film/view.gif"));  // of the earlier call
   const Image first = load_image(work.path("film/render_0001.png")),

@@ -34,6 +34,20 @@ TEST(Commands, LimitsAreThePapers) {
   EXPECT_NEAR(wanted.at("wanted_pitch_m").get<double>(), 1.181e-6, 5e-10);  // the paper: 1.18 µm
 }
 
+TEST(Commands, APanelsOwnWavelengthIsTheUsualOne) {
+  const Workplace work;
+  work.write("green.toml", "preset = \"pluto\"\ndesign_wavelength = \"520 nm\"\n");
+  const auto asked = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"limits", "--json"});
+    return nlohmann::json::parse(succeed(work, flags)).at("wavelength_m").get<double>();
+  };
+  EXPECT_DOUBLE_EQ(asked({"--slm", "green.toml"}), 520e-9);
+  EXPECT_DOUBLE_EQ(asked({"--slm", "green.toml", "--wavelength", "633 nm"}), 633e-9);
+  EXPECT_DOUBLE_EQ(asked({"--angle", "15 deg"}), 632.8e-9);
+  succeed(work, {"calibrate", "patterns", "--slm", "green.toml", "--level-patterns", "1", "-o", "patterns"});
+  EXPECT_DOUBLE_EQ(load_hologram(work.path("patterns/01_spots.png")).wavelength, 520e-9);
+}
+
 TEST(Commands, LimitsTellGratingOrdersAndDataRates) {
   const Workplace work;
   const auto ask = [&](std::vector<std::string> flags) {

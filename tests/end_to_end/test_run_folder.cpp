@@ -103,6 +103,7 @@ TEST(RunFolder, CompareFindsForItsViewsWhatTheReportSays) {
     for (const Json& stage : report["stages"]) {
       if (stage["stage"] != "look at " + distance) continue;
       // render.exr holds the floats that the run compared, and the views have steps of 16 bits.
+      EXPECT_EQ(views[i].at("psnr_of_run_db"), stage.at("psnr_db"));
       for (const char* name : {"psnr_db", "psnr_of_black_db", "ssim", "speckle_contrast"})
         EXPECT_NEAR(views[i].at(name).get<double>(), stage.at(name).get<double>(), 2e-3) << name;
     }

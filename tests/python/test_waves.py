@@ -131,6 +131,28 @@ def test_show_on_a_device_is_the_processors_to_rounding():
     assert 0 < np.linalg.norm(there.samples - here.samples) < 2e-6 * np.linalg.norm(here.samples)
 
 
+def test_a_panel_takes_all_keys_of_its_table(tmp_path):
+    panel = ht.Slm("pluto", columns=np.int64(40), rows=30, fill_factor="80 %", crosstalk=0.2)
+    assert (panel.shape, panel.levels, panel.fill_factor) == ((30, 40), 256, 0.8)
+    assert "crosstalk" in panel.effects
+    assert ht.Slm({"columns": 4, "rows": 3, "pitch": "8 um"}, levels=16).levels == 16
+    assert ht.Slm("pluto").name == "pluto" and ht.Slm(columns=4, rows=3, pitch=8e-6).phase_range == 2 * np.pi
+    (tmp_path / "mine.toml").write_text('preset = "pluto"\nbits = 10\n')
+    assert ht.Slm(tmp_path / "mine.toml").levels == 1024
+    assert ht.Slm(tmp_path / "mine.toml", rows=20).shape == (20, 1920)
+    with pytest.raises(ht.Error, match="columns, rows and pitch"):
+        ht.Slm(columns=4)
+    with pytest.raises(ht.Error, match='unknown key "fill"'):
+        ht.Slm("pluto", fill=0.9)
+
+
+def test_a_panels_own_wavelength_is_the_usual_one():
+    panel = ht.Slm("pluto", design_wavelength="520 nm")
+    assert ht.limits(panel)["wavelength_m"] == 520e-9
+    assert ht.limits(panel, wavelength="633 nm")["wavelength_m"] == 633e-9
+    assert ht.limits(ht.Slm(columns=400, rows=300, pitch="8 um"))["wavelength_m"] == 632.8e-9
+
+
 def test_show_of_a_bare_level_is_its_phase():
     """One level everywhere: order 0 is sqrt(E) exp(2 pi i level/M), less the roll-off of the pixels at its edges."""
     hologram = ht.Hologram(np.full((32, 32), 64), "8 um", "633 nm")

@@ -575,6 +575,10 @@ TEST(Gltf, CamerasHaveTheirPlaceAndTheHeightOfTheirPicture) {
                         R"([{"name": "plan", "type": "orthographic", "orthographic": {"ymag": 3}}])"))
           .cameras.at(0);
   EXPECT_EQ(flat.name, "plan");
+  GltfTriangle nameless =
+      lit_triangle(R"("camera": 0)", "[]", R"([{"type": "orthographic", "orthographic": {"ymag": 3}}])");
+  nameless.nodes.replace(nameless.nodes.find(R"("name": "stand", )"), 17, "");
+  EXPECT_EQ(load(nameless).cameras.at(0).name, "1");
   EXPECT_EQ(flat.slope, 0);
   EXPECT_EQ(flat.offset, 3);
 }

@@ -264,6 +264,25 @@ TEST(SceneFile, WarningsOfModelsReachTheJob) {
   for (const Mesh& mesh : job.scene.meshes) EXPECT_LT(size_t(mesh.material), job.scene.materials.size());
 }
 
+// The panel is 15.36 mm wide and 8.64 mm high: of the triangle's 40 × 40 mm, 8.3 % lie before it.
+TEST(SceneFile, ModelsOfWhichACameraSeesLittleAreNoticed) {
+  const std::string file = test::make_file("large.gltf", test::GltfTriangle{}.text());
+  const auto warnings = [&](const std::string& more) {
+    return load("wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = '" + file + "'\n" + more)
+        .warnings;
+  };
+  const std::vector<std::string> large = warnings("scale = 0.04\nposition = \"-20 -20 -300 mm\"\n");
+  ASSERT_EQ(large.size(), 1u);
+  EXPECT_NE(large[0].find(
+                "the model is 40 mm wide and 40 mm high, of which a camera sees 15.36 mm × 8.64 mm; set its \"fit\", "
+                "such as \"8.64 mm\", its \"scale\" or its \"position\""),
+            std::string::npos)
+      << large[0];
+  EXPECT_TRUE(warnings("scale = 0.02\nposition = \"-10 -10 -300 mm\"\n").empty());  // 33 %
+  EXPECT_EQ(warnings("scale = 0.002\nposition = \"20 0 -300 mm\"\n").size(), 1u);
+  EXPECT_TRUE(warnings("scale = 0.002\npositions = [\"0 0 -300 mm\", \"20 0 -300 mm\"]\n").empty());
+}
+
 // A model is scaled from 1 m to 20 mm: a point light of 1 W/sr to (1/50)². The lights of two copies are two.
 TEST(SceneFile, LightsOfModelsAreTakenIfAsked) {
   test::GltfTriangle triangle;

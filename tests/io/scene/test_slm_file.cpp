@@ -419,6 +419,25 @@ TEST(SlmFile, PixelsThatAreNotSquareAreRefusedByName) {
   EXPECT_NE(error("pitch_x = \"7.6 um\"\n").find("expected pitch_x and pitch_y together"), std::string::npos);
 }
 
+TEST(SlmFile, DataSheetsGivePercentBitsAndPartsOfPi) {
+  const auto panel = [](const std::string& more) {
+    return test::make_file("sheet.toml", "columns = 8\nrows = 4\npitch = \"8 um\"\n" + more);
+  };
+  const Slm slm = load_slm(panel("bits = 10\nfill_factor = \"92 %\"\nphase_range = \"2.2 pi\"\n"));
+  EXPECT_EQ(slm.levels, 1024);
+  EXPECT_EQ(slm.fill_factor, 0.92);
+  EXPECT_DOUBLE_EQ(slm.phase_range, 2.2 * pi);
+  const auto error = [&](const std::string& more) { return error_of([&] { load_slm(panel(more)); }); };
+  EXPECT_NE(error("bits = 8\nlevels = 256\n").find("expected either \"bits\" or \"levels\", got both"),
+            std::string::npos);
+  EXPECT_NE(error("bits = 17\n").find("16"), std::string::npos) << error("bits = 17\n");
+  EXPECT_NE(error("fill_factor = \"92\"\n").find("expected a number"), std::string::npos);
+  EXPECT_NE(error("fill_factor = \"120 %\"\n").find("at most 1"), std::string::npos)
+      << error("fill_factor = \"120 %\"\n");
+  EXPECT_NE(error("fill_factor = \"x %\"\n").find("sheet.toml:4: expected a part with its unit"), std::string::npos)
+      << error("fill_factor = \"x %\"\n");
+}
+
 // A panel with every effect, all with values other than those of the panel file.
 Slm panel_of_all_effects() {
   Slm slm = slm_preset("pluto");

@@ -313,6 +313,35 @@ TEST(Show, TellsWhereLevelsAllowForOtherEffects) {
   EXPECT_EQ(warnings({"crosstalk"}, {"gaps"}).size(), 2u);
 }
 
+TEST(Show, TellsOfAPanelThatWasMeasuredAnew) {
+  Slm slm = make_panel(8, 4, 4);
+  slm.effects.calibration = {{0, 1}, {1.5, 1}, {3, 1}, {4.5, 1}};
+  slm.effects.aberration = {{2, 0, 0.3}};
+  Hologram h = make_hologram(slm, Modulation::phase, [](int) { return 1; });
+  h.effects = {"calibration", "aberration"};
+  const auto warnings = [&](const Slm& on) {
+    Heard heard;
+    show(h, on, {.effects = {"all"}}, heard.observer());
+    return heard.warnings;
+  };
+  h.slm = slm;
+  EXPECT_TRUE(warnings(slm).empty());
+  h.slm->effects.calibration[3].phase = 4.6;
+  EXPECT_EQ(warnings(slm),
+            (std::vector<std::string>{"the hologram was made without the calibration that the SLM \"test\" has "
+                                      "now; encode it again for this panel"}));
+  h.slm->effects = {};
+  h.effects.clear();
+  EXPECT_EQ(warnings(slm),
+            (std::vector<std::string>{"the hologram was made without the calibration and aberration that the SLM "
+                                      "\"test\" has now; encode it again for this panel"}));
+  Slm ideal = slm;
+  ideal.effects = {};
+  EXPECT_TRUE(warnings(ideal).empty());
+  h.slm.reset();  // nothing is known
+  EXPECT_TRUE(warnings(slm).empty());
+}
+
 TEST(Show, SaysWhatIsWrong) {
   const Slm slm = make_panel(8, 4, 16);
   const Hologram good = make_hologram(slm, Modulation::phase, [](int) { return 0; });
