@@ -33,7 +33,7 @@ std::optional<Hologram> encode_there(const DeviceSamples& field, Hologram hologr
                   listener, hologram);
   if (observer.on_fact)
     for (const auto& [name, value] : facts) observer.on_fact(name, value);
-  if (moments.largest == 0) warn_of_dark_field(field.wavelength, observer);
+  if (moments.largest == 0) warn_of_dark_field(hologram.wavelength, observer);
   observer.fact("device", field.device->info().name);
   return hologram;
 }
