@@ -74,11 +74,11 @@ void SceneFlags::add(CLI::App& command, bool has_time) {
 ModelParams SceneFlags::model(const std::string& scene) const {
   ModelParams model;
   flags.apply(model);
-  for (const char* name : {"up", "rotation", "fit", "floor", "model_distance", "series_fps"})
+  for (const char* name : {"up", "rotation", "fit", "floor", "model_distance", "series_fps", "turntable"})
     require(!flags.has(name) || is_model(scene),
             "expected {} with a model, got the scene {}; leave it out, or turn and place the object in the scene",
             dashed(name), scene);
-  for (const char* name : {"up", "rotation", "floor", "model_camera", "model_lights"})
+  for (const char* name : {"up", "rotation", "floor", "model_camera", "model_lights", "turntable"})
     require(!flags.has(name) || !is_model(scene) || is_mesh_file(scene),
             "expected {} with a mesh, got the pictures {}; leave it out", dashed(name), scene);
   require(!flags.has("series_fps") || is_series(scene),

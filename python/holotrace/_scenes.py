@@ -217,6 +217,7 @@ def load_scene(
     model_lights: Optional[str] = None,
     model_camera: Optional[str] = None,
     series_fps: Optional[float] = None,
+    turntable: Optional[Time] = None,
     allow_outside: bool = False,
     time: Optional[Time] = None,
     shutter: Optional[Time] = None,
@@ -229,7 +230,8 @@ def load_scene(
     axis that is up in the file; ``rotation``, such as ``"y 30 deg"``; ``fit``, the part of the view that it fills; ``floor``,
     "round" or "none"; ``model_distance``, from the panel to its middle; ``model_lights``, "file", "studio" or "auto": the lamps of
     the file, two of a photographer, or those of the file if it has any; ``model_camera``, the name of a camera of the file whose
-    view is shown in place of up, rotation, fit and floor; ``series_fps``, the files per second of a series of models or pictures.
+    view is shown in place of up, rotation, fit and floor; ``series_fps``, the files per second of a series of models or pictures; ``turntable``, the time in
+    which it turns once about its upright axis.
 
     ``allow_outside``: models may name files outside their own folder. ``time``: the time at which keys over time and the
     animations of models are read; None: that of the file, or 0. ``shutter``: as for `Scene`; None: that of the file. ``edits``: values in
@@ -237,6 +239,8 @@ def load_scene(
     """
     if isinstance(model_distance, (int, float)):
         model_distance = f"{_core.length(model_distance, 'model_distance')} m"
+    if isinstance(turntable, (int, float)):
+        turntable = f"{turntable} s"
     placed = {
         "up": up,
         "rotation": rotation,
@@ -246,6 +250,7 @@ def load_scene(
         "model_lights": model_lights,
         "model_camera": model_camera,
         "series_fps": series_fps,
+        "turntable": turntable,
     }
     given = {key: value for key, value in placed.items() if value is not None}
     if given and not _core.is_model(os.fspath(path)):

@@ -329,6 +329,36 @@ TEST(ModelJob, UpAndRotationTurnTheModel) {
             "expected turns about axes for the rotation of the model, such as \"y 30 deg, x 10 deg\", got \"30 deg\"");
 }
 
+// The axis is in the middle of the view. Half a turn takes each place to the other side of it; in a quarter, what was in front goes to
+// the right. The L, 2 wide and 1 deep about its middle, is widest as the circle of its far corners.
+TEST(ModelJob, ATurntableTurnsTheModelOnceWithinTheView) {
+  const std::string file = test::make_file("m.obj", letter());
+  ModelParams params = upright_model();
+  params.turntable = 4;
+  const auto at = [&](double time) { return job_for_model(file, slm_preset("pluto"), params, Outside::refused, time); };
+  const std::vector<Vec3> start = at(0).scene.meshes[0].positions, quarter = at(1).scene.meshes[0].positions,
+                          half = at(2).scene.meshes[0].positions, whole = at(4).scene.meshes[0].positions;
+  EXPECT_EQ(at(0).last_key, 4.0);
+  double to_right = 0;
+  for (size_t i = 0; i < start.size(); ++i) {
+    EXPECT_NEAR(start[i].x, -half[i].x, 1e-12);
+    EXPECT_LT(length(start[i] - whole[i]), 1e-12);
+    to_right += quarter[i].x * (start[i].z - (start[i].z + half[i].z) / 2);
+  }
+  EXPECT_GT(to_right, 0);
+  Box all;
+  for (int step = 0; step < 400; ++step) {
+    const Box now = box_of(at(step / 100.0));
+    all.add(now.low), all.add(now.high);
+  }
+  const Vec3 size = all.high - all.low;
+  EXPECT_NEAR(std::fmax(size.x / 15.36e-3, size.y / 8.64e-3), 0.8, 1e-3);
+  EXPECT_NEAR(all.low.x, -all.high.x, 1e-5);
+  params.model_camera = "c";
+  EXPECT_NE(error_of([&] { at(0); }).find("either a camera of the model or a rotation or a turntable"),
+            std::string::npos);
+}
+
 // A flat plate with four pits on one side, and nothing on the others: the side with the pits is turned to the viewer.
 TEST(ModelJob, AModelWithoutADeclaredFrontShowsItsDetail) {
   const auto plate = [](double z) {

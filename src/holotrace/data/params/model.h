@@ -29,6 +29,7 @@ struct ModelParams {
   ModelLights model_lights = ModelLights::choose;
   std::string model_camera{};  ///< camera of the file whose view is shown, in place of up, rotation, fit and floor
   double series_fps = 25;      ///< files per second of a series of models or pictures
+  double turntable = 0;        ///< time in which the model turns once about its upright axis [s]; 0: it rests
 };
 
 template <class Visitor>
@@ -60,6 +61,8 @@ void describe(Visitor&& v, ModelParams& p) {
          "up, rotation and fit then do not count"));
   v(number("series_fps", p.series_fps, range::above_to(0, 1e5),
            "series of models or pictures (wave_####.ply, frame_####.png): files per second"));
+  v(time("turntable", p.turntable, range::or_value(0, range::from_to(0.01, 1e6)),
+         "models: time in which the model turns once about its upright axis, as on a turntable; 0 s: it rests"));
 }
 
 }  // namespace holotrace

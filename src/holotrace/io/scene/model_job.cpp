@@ -261,17 +261,30 @@ double irradiance_at(Vec3 place, const std::vector<Light>& lights) {
 
 // Where a model stands, and what it stands on, in its place.
 struct Standing {
-  Frame frame;
+  Frame on_floor;   // from the file to its place on the floor y = 0, about its axis
+  Frame into_view;  // from there
   std::optional<Mesh> floor;
+
+  Frame frame(double turn = 0) const { return compose(into_view, compose(rotation_y(turn), on_floor)); }
 };
 
-// Puts a model upright on its floor, seen from above, in the middle of the view.
+// The ends, in view from any height, of the circles on which a turntable moves places.
+std::vector<Vec3> ends_of_circles(const std::vector<Vec3>& places) {
+  std::vector<Vec3> ends;
+  for (const Vec3 p : places) {
+    const double radius = std::hypot(p.x, p.z);
+    for (const double r : {-radius, radius}) ends.insert(ends.end(), {{r, p.y, 0}, {0, p.y, r}});
+  }
+  return ends;
+}
+
+// Puts a model upright on its floor, seen from above, in the middle of the view; on a turntable, of all of its turns.
 Standing stand_on_floor(const std::string& path, const ModelParams& params, const Grid& panel, Vec3 middle,
                         LoadedModel& model) {
   Standing standing;
   const auto place = [&](const Frame& frame) {
     move(frame, model.meshes);
-    standing.frame = compose(frame, standing.frame);
+    standing.on_floor = compose(frame, standing.on_floor);
   };
   place(upright(params.up));
   const std::string extension = extension_of(path);
@@ -287,6 +300,7 @@ Standing stand_on_floor(const std::string& path, const ModelParams& params, cons
   const Vec3 foot{upright.middle().x, upright.low.y, upright.middle().z};
   place(shift(foot * -1.0));
   for (Vec3& p : places) p = p - foot;
+  if (params.turntable > 0) places = ends_of_circles(places);
   const double radius = std::max(radius_of(places), 0.1 * upright.high.y - 0.1 * upright.low.y);
   if (params.floor == ModelFloor::round) {
     standing.floor = fading_disc(floor_full * radius, floor_end * radius);
@@ -299,9 +313,9 @@ Standing stand_on_floor(const std::string& path, const ModelParams& params, cons
   const ModelBounds seen = bounds_of(places);
   const Vec3 size = seen.high - seen.low;
   const double factor = params.fit / std::max(size.x / panel.width(), size.y / panel.height());
-  const Frame into_view = compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view)));
-  place(into_view);
-  if (standing.floor) transform_mesh(into_view, *standing.floor);
+  standing.into_view = compose(shift(middle), compose(scale(factor), compose(shift(seen.middle() * -1.0), view)));
+  move(standing.into_view, model.meshes);
+  if (standing.floor) transform_mesh(standing.into_view, *standing.floor);
   return standing;
 }
 
@@ -344,21 +358,23 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   if (params.model_camera.empty()) {
     standing = stand_on_floor(path, params, panel, middle, model);
   } else {
-    require(params.rotation.empty(), "expected either a rotation or a camera of the model, got both");
+    require(params.rotation.empty() && params.turntable == 0,
+            "expected either a camera of the model or a rotation or a turntable, got both");
     const ModelCamera& camera = camera_named(params.model_camera, path, model);
     by_camera.emplace(path, camera, model.meshes, panel, distance);
-    standing.frame = by_camera->place(camera, model.meshes);
+    standing.into_view = by_camera->place(camera, model.meshes);
   }
 
   Job job;
   job.slm = slm;
   job.time = time;
   job.last_key = model.last_key;
+  if (params.turntable > 0) job.last_key = std::max(job.last_key.value_or(0), params.turntable);
   job.warnings = model.warnings;
-  const auto take = [&](LoadedModel& placed) {
-    const double enlarged = std::cbrt(std::abs(determinant(standing.frame)));
+  const auto take = [&](LoadedModel& placed, const Frame& frame) {
+    const double enlarged = std::cbrt(std::abs(determinant(frame)));
     for (Material& material : placed.materials) scale_absorption(enlarged, material);
-    for (Light& light : placed.lights) light = transform_light(standing.frame, light);
+    for (Light& light : placed.lights) light = transform_light(frame, light);
     job.scene.materials = std::move(placed.materials);
     job.scene.meshes = std::move(placed.meshes);
     if (!standing.floor) return;
@@ -366,7 +382,7 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
     job.scene.materials.push_back(DiffuseMaterial{{0.5, 0.5, 0.5}});
     job.scene.meshes.push_back(*standing.floor);
   };
-  take(model);
+  take(model, standing.frame());
   const bool has_own_lights = light_model(path, params, middle, model.lights, job.scene);
   job.render.has_background = false;  // it lights the model, which stands before black
   choose_wavelengths(job);
@@ -379,11 +395,14 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
     for (std::string& warning : posed.warnings)
       if (std::find(job.warnings.begin(), job.warnings.end(), warning) == job.warnings.end())
         job.warnings.push_back(std::move(warning));
-    if (by_camera)
-      standing.frame = by_camera->place(camera_named(params.model_camera, path, posed), posed.meshes);
-    else
-      move(standing.frame, posed.meshes);
-    take(posed);
+    Frame frame;
+    if (by_camera) {
+      frame = by_camera->place(camera_named(params.model_camera, path, posed), posed.meshes);
+    } else {
+      frame = standing.frame(params.turntable > 0 ? 2 * pi * time / params.turntable : 0);
+      move(frame, posed.meshes);
+    }
+    take(posed, frame);
     if (has_own_lights) job.scene.lights = std::move(posed.lights);
   }
   check_scene(job.scene);
@@ -394,6 +413,7 @@ bool is_model(const std::string& path) { return is_mesh_file(path) || is_picture
 
 Job job_for_pictures(const std::string& path, const Slm& slm, const ModelParams& params, double time) {
   check_ranges(params);
+  require(params.turntable == 0, "{}: expected a model for a turntable, got pictures; leave the turntable out", path);
   const Grid& panel = slm.grid;
   const double distance = params.model_distance > 0 ? params.model_distance : distance_of_models(panel);
   LoadedModel picture = load_picture({path}, 1, {time, params.series_fps});
