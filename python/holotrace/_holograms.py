@@ -106,6 +106,16 @@ class Slm(Noun):
         return float(self._core.fill_factor)
 
     @property
+    def design_wavelength(self) -> float:
+        """Wavelength at which the levels show their phases [m]; 0: the one in use."""
+        return float(self._core.design_wavelength)
+
+    @property
+    def phase_range(self) -> float:
+        """Phase of a level after the last at the design wavelength [rad]."""
+        return float(self._core.phase_range)
+
+    @property
     def effects(self) -> List[str]:
         """Names of the differences from an ideal panel that are known."""
         return list(self._core.effects)

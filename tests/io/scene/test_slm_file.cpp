@@ -432,9 +432,9 @@ TEST(SlmFile, DataSheetsGivePercentBitsAndPartsOfPi) {
             std::string::npos);
   EXPECT_NE(error("bits = 17\n").find("16"), std::string::npos) << error("bits = 17\n");
   EXPECT_NE(error("fill_factor = \"92\"\n").find("expected a number"), std::string::npos);
-  EXPECT_NE(error("fill_factor = \"120 %\"\n").find("at most 1"), std::string::npos)
+  EXPECT_NE(error("fill_factor = \"120 %\"\n").find("above 0, up to 1 for \"fill_factor\", got 1.2"), std::string::npos)
       << error("fill_factor = \"120 %\"\n");
-  EXPECT_NE(error("fill_factor = \"x %\"\n").find("sheet.toml:4: expected a part with its unit"), std::string::npos)
+  EXPECT_NE(error("fill_factor = \"x %\"\n").find("sheet.toml:4:15: expected a part with its unit"), std::string::npos)
       << error("fill_factor = \"x %\"\n");
 }
 
