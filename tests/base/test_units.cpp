@@ -43,6 +43,13 @@ TEST(Units, AnglesAreInRadians) {
   EXPECT_DOUBLE_EQ(parse_angle("-0.5π"), -pi / 2);
 }
 
+TEST(Units, PartsHaveTwoDigitsOfPercent) {
+  EXPECT_EQ(format_percent(0.00346), "0.35 %");
+  EXPECT_EQ(format_percent(0.0994), "9.9 %");
+  EXPECT_EQ(format_percent(0.0996), "10 %");
+  EXPECT_EQ(format_percent(1), "100 %");
+}
+
 TEST(Units, PercentAreParts) {
   EXPECT_EQ(parse_percent("92 %"), 0.92);
   EXPECT_EQ(parse_percent("0.5%"), 0.005);

@@ -180,6 +180,10 @@ double parse_size(std::string_view text) {
   return bytes;
 }
 
+std::string format_percent(double part) {
+  return part < 0.0995 ? fmt::format("{:.2g} %", 100 * part) : fmt::format("{:.0f} %", 100 * part);
+}
+
 std::string format_length(double metres) {
   const double size = std::abs(metres);
   if (size == 0) return "0 m";

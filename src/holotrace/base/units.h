@@ -60,6 +60,9 @@ std::vector<double> parse_lengths(std::string_view text, std::string_view name =
 /// @throws Error as parse_length does, and for a size of 0 or less.
 double parse_size(std::string_view text);
 
+/// Text of a part in percent: "0.35 %", "9.9 %", "87 %".
+std::string format_percent(double part);
+
 /// Text of a length in the unit that suits it: "532 nm", "8 µm", "300 mm".
 std::string format_length(double metres);
 

@@ -42,10 +42,6 @@ std::string text_in(const Json& json, const char* key) {
   return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
 }
 
-std::string percent(double fraction) {
-  return fraction < 0.0995 ? fmt::format("{:.2g} %", 100 * fraction) : fmt::format("{:.0f} %", 100 * fraction);
-}
-
 std::string nearness_in(const Json& stage) {
   const auto psnr = number_in(stage, "psnr_db");
   if (!psnr) {
@@ -64,11 +60,11 @@ std::string nearness_in(const Json& stage) {
 std::string light_in(const Json& stage) {
   const auto of_view = number_in(stage, "lit_fraction_of_view"), of_render = number_in(stage, "lit_fraction_of_render");
   if (!of_view) return "";
-  std::string text =
-      of_render ? fmt::format("{} of the render and {} of the view are lit", percent(*of_render), percent(*of_view))
-                : fmt::format("{} of the view are lit", percent(*of_view));
+  std::string text = of_render ? fmt::format("{} of the render and {} of the view are lit", format_percent(*of_render),
+                                             format_percent(*of_view))
+                               : fmt::format("{} of the view are lit", format_percent(*of_view));
   if (const auto efficiency = number_in(stage, "diffraction_efficiency"))
-    text += fmt::format("; {} of the panel's light falls on what is bright in the render", percent(*efficiency));
+    text += fmt::format("; {} of the panel's light falls on what is bright in the render", format_percent(*efficiency));
   return text;
 }
 

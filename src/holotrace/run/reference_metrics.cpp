@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "holotrace/base/units.h"
 #include "holotrace/view/camera.h"
 #include "holotrace/view/compare.h"
 #include "holotrace/view/expose.h"
@@ -162,12 +163,6 @@ CommonExposure common_exposure(const std::vector<Image>& views, const std::vecto
   return {view_white, std::min(ratio * view_white, most_darkened * alone.render_white)};
 }
 
-namespace {
-
-std::string percent(double fraction) { return fmt::format("{:.2g} %", 100 * fraction); }
-
-}  // namespace
-
 double lit_fraction(const Image& image) {
   if (image.values.empty()) return 0;
   const double least = lit_level * exposure_white(image, 0);
@@ -190,7 +185,7 @@ void report_lit_render(const Image& render, const Observer& observer) {
     observer.warn(fmt::format(
         "only {} of the render is lit, less than {}, so PSNR and SSIM say little: a black view would have {:.1f} dB; "
         "judge the view by eye, or make the scene larger, light it, or move it into the window",
-        percent(lit), percent(least_lit_fraction), of_black));
+        format_percent(lit), format_percent(least_lit_fraction), of_black));
 }
 
 void warn_of_dots(const Image& view, const Image& render, size_t waves, const Observer& observer) {
@@ -199,7 +194,7 @@ void warn_of_dots(const Image& view, const Image& render, size_t waves, const Ob
   observer.warn(fmt::format(
       "the view shows dots: {} of it is lit, and {} of the render; {} waves are too few for {} × {} pixels; trace more "
       "(columns and rows, or samples, in [trace]), or let run optimise the holograms (--quality draft)",
-      percent(lit), percent(wanted), waves, view.nx, view.ny));
+      format_percent(lit), format_percent(wanted), waves, view.nx, view.ny));
 }
 
 }  // namespace holotrace

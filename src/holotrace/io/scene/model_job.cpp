@@ -358,8 +358,8 @@ Job job_for_model(const std::string& path, const Slm& slm, const ModelParams& pa
   if (params.model_camera.empty()) {
     standing = stand_on_floor(path, params, panel, middle, model);
   } else {
-    require(params.rotation.empty() && params.turntable == 0,
-            "expected either a camera of the model or a rotation or a turntable, got both");
+    require(params.rotation.empty(), "expected either a rotation or a camera of the model, got both");
+    require(params.turntable == 0, "expected either a turntable or a camera of the model, got both");
     const ModelCamera& camera = camera_named(params.model_camera, path, model);
     by_camera.emplace(path, camera, model.meshes, panel, distance);
     standing.into_view = by_camera->place(camera, model.meshes);
