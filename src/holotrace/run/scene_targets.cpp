@@ -219,6 +219,19 @@ void warn_of_eye_beside(const Job& job, const Observer& observer) {
       format_length(seen.x), format_length(seen.y)));
 }
 
+// Pupils at places far apart ask the same pixels for different pictures. Measured: docs/explanation/encoders.md.
+void warn_of_wide_eyebox(const Job& job, const Observer& observer) {
+  constexpr double wide = 3.4;  // areas of a pupil over which the places of its rim may lie; 2.8 by default
+  const Eyebox box = eyebox_of(job.encode);
+  const double pupil = pupil_of(job.encode), pupils = (box.width + pupil) * (box.height + pupil) / (pupil * pupil);
+  if (pupils <= wide) return;
+  observer.warn(fmt::format(
+      "the eyebox of {} × {} is wide for a pupil of {}: from its edge the picture is about {:.0f} dB worse than in one two thirds as "
+      "wide as the pupil, and up to 20 dB worse if most of it is bright; use a smaller [encode] eyebox, an eye for each viewer, or more "
+      "frames and iterations",
+      format_length(box.width), format_length(box.height), format_length(pupil), 15 * std::log10(pupils / 2.8)));
+}
+
 double shared_wavelength(const Job& job) { return view_wavelength(job.wavelengths, job.trace.has_common_cone); }
 
 // Side of the panel's part that a place p of a plane at distance d sees: |a − p| ≤ reach.
@@ -383,7 +396,10 @@ SceneTargets trace_targets(const Job& job, const Observer& observer, const Targe
   targets.distances = is_kept ? reuse.earlier->distances : target_distances_of(job, eye_z);
   warn_of_sparse_planes(job, observer);
   if (!is_kept) warn_of_focus_beside(job, observer);
-  if (aims_at_eyes(job)) warn_of_eye_beside(job, observer);
+  if (aims_at_eyes(job)) {
+    warn_of_eye_beside(job, observer);
+    warn_of_wide_eyebox(job, observer);
+  }
   for (const std::vector<double>& distances : {targets.distances, job.camera.distances})
     for (const double distance : distances)
       require(distance != 0,
