@@ -37,11 +37,12 @@ Effort effort_for_eyes(Quality quality) {
   return {1, 10, 100, 32};
 }
 
-// Paths without denoising over those that are enough with it: targets of 8 denoised paths are better than of 64 as they are.
-constexpr int denoised_gain = 8;
+// Paths without denoising over those that are enough with it: targets of 8 denoised paths are better than of 64 as they are. The paths
+// of an eye are shared among the parts of its pupil, whose views are denoised one by one.
+constexpr int denoised_gain = 8, denoised_gain_of_eyes = 4;
 
 bool can_denoise(const Job& job) {
-  if (job.encode.denoise == Denoise::none || aims_at_eyes(job) || !job.scene.points.empty()) return false;
+  if (job.encode.denoise == Denoise::none || !job.scene.points.empty()) return false;
   try {
     find_denoiser();
     return true;
@@ -200,7 +201,7 @@ class Chooser {
       set("encode.quality", encode.quality, Quality::draft, "draft", "the shortest time");
     Effort effort{1, 0, 0, default_paths};
     if (aims) effort = aims_at_eyes(job_) ? effort_for_eyes(encode.quality) : effort_of(encode.quality);
-    if (aims && can_denoise(job_)) effort.paths /= denoised_gain;
+    if (aims && can_denoise(job_)) effort.paths /= aims_at_eyes(job_) ? denoised_gain_of_eyes : denoised_gain;
     const std::string why =
         aims ? fmt::format("quality {}", name_of(encode.quality, quality_names)) : "one hologram of waves";
     if (job_.trace.frames == 0) choose_frames(effort.frames, why);

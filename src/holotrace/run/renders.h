@@ -99,10 +99,10 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
 inline constexpr double clean_enough = 42;
 
 /// Denoises the traced light that holograms aim at, as job.encode.denoise says: its planes, and the views from the cells of a
-/// light field. With auto, the first picture of each kind (of grey planes the first three) shows how much noise there is: if
+/// light field. With auto, the first picture of each kind (of grey ones the first three) shows how much noise there is: if
 /// its light paths alone are clean_enough, all of that kind stay as they are.
 ///
-/// The pictures are denoised fast, one by one; grey planes three at a time. Facts: as of make_picture.
+/// The pictures are denoised fast, one by one; grey ones three at a time. Facts: as of make_picture.
 void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Image>& cells,
                      const Observer& observer = {});
 

@@ -305,8 +305,10 @@ std::shared_ptr<const KeptEyeLight> trace_light_for_eyes(const Job& job, uint64_
   kept->distances = distances;
   const double middle = distances[distances.size() / 2];
   kept->is_of_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
-  const std::vector<EyeLight> eyes =
+  std::vector<EyeLight> eyes =
       trace_eye_light(job, middle, params, observer, kept->is_of_walk ? walk : std::nullopt);
+  std::vector<Image> no_planes;
+  for (EyeLight& eye : eyes) denoise_targets(job, no_planes, eye.light.views, observer);
   keep_light(
       job, eyes.size(), [&](size_t e) { return std::pair(&eyes[e].light, eyes[e].eye.z); }, *kept);
   return kept;
