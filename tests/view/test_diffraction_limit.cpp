@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "holotrace/base/error.h"
+#include "holotrace/base/random.h"
 #include "holotrace/base/units.h"
 #include "holotrace/view/pupil_picture.h"
 
@@ -44,6 +46,25 @@ TEST(DiffractionLimit, EvenPicturesStayEvenAndNonsenseIsRefused) {
   EXPECT_THROW(limit_to_pupil(even, 0, lambda, distance, pupil), Error);
   Image none;
   EXPECT_THROW(limit_to_pupil(none, pitch, lambda, distance, pupil), Error);
+}
+
+// Two pictures that are blurred together, and a third, are those that are blurred one by one, to the rounding of floats.
+TEST(DiffractionLimit, OfPicturesTogetherIsThatOfEach) {
+  std::vector<Image> alone;
+  for (int k = 0; k < 3; ++k) {
+    Image& picture = alone.emplace_back(37, 50, 1);
+    for (size_t i = 0; i < picture.values.size(); ++i)
+      picture.values[i] = float(CounterRandom(uint64_t(k), 0, i).uniform());
+  }
+  std::vector<Image> together = alone;
+  for (Image& picture : alone) limit_to_pupil(picture, pitch, lambda, distance, pupil);
+  const PupilBlur blur(50, 37, pitch, lambda, distance, pupil);
+  blur.apply(std::vector<PictureChannel>{{&together[0]}, {&together[1]}, {&together[2]}});
+  for (int k = 0; k < 3; ++k)
+    for (size_t i = 0; i < alone[0].values.size(); ++i)
+      ASSERT_NEAR(together[size_t(k)].values[i], alone[size_t(k)].values[i], 1e-6) << k << ", " << i;
+  Image other(38, 50, 1);
+  EXPECT_THROW(blur.apply(std::vector<PictureChannel>{{&other}}), Error);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/random.h"
@@ -175,13 +176,31 @@ double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk) {
   return (floats_of_sums + of_picture) * sizeof(float) * pixels_of(field_for(job, distance, walk));
 }
 
-LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z) {
-  LightField one = light;
-  for (Image& view : one.views) {
-    view = seen_at(view, {wavelength});
-    limit_to_pupil(view, light.plane.pitch, wavelength, light.distance + z, diameter);
+std::vector<LightField> lights_for_pupil(const LightField& light, const std::vector<double>& wavelengths,
+                                         double diameter, double z, const std::function<Image(size_t)>& take) {
+  std::vector<LightField> lights;
+  std::vector<PupilBlur> blurs;
+  for (const double wavelength : wavelengths) {
+    lights.push_back(light.without_views());
+    blurs.emplace_back(light.plane.nx, light.plane.ny, light.plane.pitch, wavelength, light.distance + z, diameter);
   }
-  return one;
+  for (size_t k = 0; k < light.views.size();) {
+    std::vector<Image> taken;  // one, or two that are blurred together
+    for (; taken.size() < 2 && k < light.views.size(); ++k) taken.push_back(take(k));
+    for (size_t w = 0; w < wavelengths.size(); ++w) {
+      std::vector<Image> seen;
+      for (const Image& view : taken) seen.push_back(seen_at(view, {wavelengths[w]}));
+      std::vector<PictureChannel> channels;
+      for (Image& view : seen) channels.push_back({&view});
+      blurs[w].apply(channels);
+      std::move(seen.begin(), seen.end(), std::back_inserter(lights[w].views));
+    }
+  }
+  return lights;
+}
+
+LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z) {
+  return lights_for_pupil(light, {wavelength}, diameter, z, [&](size_t k) { return light.views[k]; }).front();
 }
 
 Pupil camera_pupil(const Job& job) {

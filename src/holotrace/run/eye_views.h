@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -55,6 +56,10 @@ double bytes_of_walk(const Job& job, double distance, const EyeWalk& walk);
 /// A light field in the light of one wavelength, with the blur of a pupil of that diameter at z (limit_to_pupil): its pictures,
 /// of one channel, then hold no detail that the samples of views miss.
 LightField light_for_pupil(const LightField& light, double wavelength, double diameter, double z);
+
+/// The same at several wavelengths, from views that are given up one after the other: take(k) gives view k, and is called once for each.
+std::vector<LightField> lights_for_pupil(const LightField& light, const std::vector<double>& wavelengths,
+                                         double diameter, double z, const std::function<Image(size_t)>& take);
 
 /// What pupils should see of light_for_pupil, focused on a plane at a distance from the panel.
 ///

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -284,15 +285,14 @@ bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause) {
   return true;
 }
 
-// Keeps the light of each eye in each wavelength. light_of(e) is the light of eye e and the z of its pupil.
-template <class LightOf>
-void keep_light(const Job& job, size_t eyes, const LightOf& light_of, KeptEyeLight& kept) {
-  for (const double wavelength : job.wavelengths) {
-    kept.lights.push_back({wavelength, {}});
-    for (size_t e = 0; e < eyes; ++e) {
-      const auto [light, z] = light_of(e);
-      kept.lights.back().lights.push_back(light_for_pupil(*light, wavelength, pupil_of(job.encode), z));
-    }
+// Keeps the light of one more eye, whose pupil is at z, in each wavelength. take(k) gives view k up.
+void keep_eye(const Job& job, const LightField& light, double z, const std::function<Image(size_t)>& take,
+              KeptEyeLight& kept) {
+  std::vector<LightField> lights = lights_for_pupil(light, job.wavelengths, pupil_of(job.encode), z, take);
+  kept.lights.resize(lights.size());
+  for (size_t w = 0; w < lights.size(); ++w) {
+    kept.lights[w].wavelength = job.wavelengths[w];
+    kept.lights[w].lights.push_back(std::move(lights[w]));
   }
 }
 
@@ -305,12 +305,13 @@ std::shared_ptr<const KeptEyeLight> trace_light_for_eyes(const Job& job, uint64_
   kept->distances = distances;
   const double middle = distances[distances.size() / 2];
   kept->is_of_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
-  std::vector<EyeLight> eyes =
-      trace_eye_light(job, middle, params, observer, kept->is_of_walk ? walk : std::nullopt);
+  std::vector<EyeLight> eyes = trace_eye_light(job, middle, params, observer, kept->is_of_walk ? walk : std::nullopt);
   std::vector<Image> no_planes;
-  for (EyeLight& eye : eyes) denoise_targets(job, no_planes, eye.light.views, observer);
-  keep_light(
-      job, eyes.size(), [&](size_t e) { return std::pair(&eyes[e].light, eyes[e].eye.z); }, *kept);
+  for (EyeLight& eye : eyes) {
+    denoise_targets(job, no_planes, eye.light.views, observer);
+    keep_eye(
+        job, eye.light, eye.eye.z, [&](size_t k) { return std::move(eye.light.views[k]); }, *kept);
+  }
   return kept;
 }
 
@@ -349,9 +350,9 @@ std::shared_ptr<const KeptEyeLight> light_for_eyes(const LightField& light, cons
                                                    const std::vector<double>& distances) {
   auto kept = std::make_shared<KeptEyeLight>();
   kept->distances = distances;
-  const std::vector<Vec3> eyes = eyes_of(job.encode);
-  keep_light(
-      job, eyes.size(), [&](size_t e) { return std::pair(&light, eyes[e].z); }, *kept);
+  for (const Vec3& eye : eyes_of(job.encode))
+    keep_eye(
+        job, light, eye.z, [&](size_t k) { return light.views[k]; }, *kept);
   return kept;
 }
 

@@ -227,40 +227,67 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
   return picture;
 }
 
-void limit_to_pupil(Image& picture, double pitch, double wavelength, double distance, double diameter) {
+PupilBlur::PupilBlur(int columns, int rows, double pitch, double wavelength, double distance, double diameter)
+    : columns_(columns), rows_(rows) {
   check_wavelength(wavelength);
-  require(picture.channels >= 1 && picture.nx > 0 && picture.ny > 0, "expected a picture with pixels");
+  require(columns > 0 && rows > 0, "expected a picture with pixels");
   require(pitch > 0 && distance > 0 && diameter > 0,
           "expected a pitch, a distance and a diameter of a pupil above 0 m, got {}, {} and {} m", pitch, distance,
           diameter);
   const double cutoff = diameter / (wavelength * distance) * pitch;  // [cycles per pixel]
   // Beyond three Airy radii hardly any light is left; edges are continued by reflection that far.
   const auto rim = [&](int count) { return std::min(count, int(std::ceil(3 * 1.22 / cutoff))); };
-  const auto length = [&](int count) { return fft_good_length(count + 2 * rim(count)); };
-  const int left = rim(picture.nx), top = rim(picture.ny), nx = length(picture.nx), ny = length(picture.ny);
+  left_ = rim(columns), top_ = rim(rows);
+  transfer_ = Array2D<float>(fft_good_length(rows + 2 * top_), fft_good_length(columns + 2 * left_));
+  const int nx = transfer_.nx, ny = transfer_.ny;
+  parallel_for(0, ny, [&](int64_t j) {
+    const double v = std::abs(double(signed_frequency(int(j), ny))) / ny;
+    for (int i = 0; i < nx; ++i) {
+      const double u = std::hypot(double(signed_frequency(i, nx)) / nx, v) / cutoff;
+      const double h = u < 1 ? 2 / pi * (std::acos(u) - u * std::sqrt((1 - u) * (1 + u))) : 0;
+      transfer_(int(j), i) = float(h / (double(nx) * ny));
+    }
+  });
+}
+
+void PupilBlur::apply(std::span<const PictureChannel> pictures) const {
+  for (const PictureChannel& one : pictures)
+    require(one.picture->nx == columns_ && one.picture->ny == rows_,
+            "expected a picture of {} × {} pixels, got {} × {}", columns_, rows_, one.picture->nx, one.picture->ny);
   const auto reflected = [](int i, int count) {
     const int inside = ((i % (2 * count)) + 2 * count) % (2 * count);
     return inside < count ? inside : 2 * count - 1 - inside;
   };
-  Array2D<std::complex<float>> wide(ny, nx);
-  for (int c = 0; c < picture.channels; ++c) {
-    parallel_for(0, ny, [&](int64_t j) {
-      for (int i = 0; i < nx; ++i)
-        wide(int(j), i) = picture(reflected(int(j) - top, picture.ny), reflected(i - left, picture.nx), c);
-    });
-    fft_2d(wide.values.data(), ny, nx, FftDirection::forward);
-    parallel_for(0, ny, [&](int64_t j) {
-      const double v = std::abs(double(signed_frequency(int(j), ny))) / ny;
-      for (int i = 0; i < nx; ++i) {
-        const double u = std::hypot(double(signed_frequency(i, nx)) / nx, v) / cutoff;
-        const double h = u < 1 ? 2 / pi * (std::acos(u) - u * std::sqrt((1 - u) * (1 + u))) : 0;
-        wide(int(j), i) *= float(h / (double(nx) * ny));
+  // The transfer function is real and even: two pictures pass as the real and the imaginary parts of one field.
+  Array2D<std::complex<float>> wide(transfer_.ny, transfer_.nx);
+  for (size_t k = 0; k < pictures.size(); k += 2) {
+    const PictureChannel &one = pictures[k], *other = k + 1 < pictures.size() ? &pictures[k + 1] : nullptr;
+    parallel_for(0, wide.ny, [&](int64_t j) {
+      const int row = reflected(int(j) - top_, rows_);
+      for (int i = 0; i < wide.nx; ++i) {
+        const int column = reflected(i - left_, columns_);
+        wide(int(j), i) = {one(row, column), other ? (*other)(row, column) : 0};
       }
     });
-    fft_2d(wide.values.data(), ny, nx, FftDirection::backward);
-    for (int j = 0; j < picture.ny; ++j)
-      for (int i = 0; i < picture.nx; ++i) picture(j, i, c) = std::max(0.0F, wide(top + j, left + i).real());
+    fft_2d(wide.values.data(), wide.ny, wide.nx, FftDirection::forward);
+    parallel_for(0, wide.ny, [&](int64_t j) {
+      for (int i = 0; i < wide.nx; ++i) wide(int(j), i) *= transfer_(int(j), i);
+    });
+    fft_2d(wide.values.data(), wide.ny, wide.nx, FftDirection::backward);
+    parallel_for(0, rows_, [&](int64_t j) {
+      for (int i = 0; i < columns_; ++i) {
+        const std::complex<float> sample = wide(top_ + int(j), left_ + i);
+        one(int(j), i) = std::max(0.0F, sample.real());
+        if (other) (*other)(int(j), i) = std::max(0.0F, sample.imag());
+      }
+    });
   }
+}
+
+void limit_to_pupil(Image& picture, double pitch, double wavelength, double distance, double diameter) {
+  std::vector<PictureChannel> channels;
+  for (int c = 0; c < picture.channels; ++c) channels.push_back({&picture, c});
+  PupilBlur(picture.nx, picture.ny, pitch, wavelength, distance, diameter).apply(channels);
 }
 
 }  // namespace holotrace

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "holotrace/base/array.h"
 #include "holotrace/base/units.h"
 #include "holotrace/data/grid.h"
 #include "holotrace/data/image.h"
@@ -52,6 +54,29 @@ PupilPicture picture_through(const LightField& light_field, double wavelength, c
 /// @param picture   any number of channels; changed in place
 /// @param pitch     of its pixels [m]
 void limit_to_pupil(Image& picture, double pitch, double wavelength, double distance, double diameter);
+
+/// A channel of a picture.
+struct PictureChannel {
+  Image* picture;
+  int channel = 0;
+
+  float& operator()(int row, int column) const { return (*picture)(row, column, channel); }
+};
+
+/// The same for many pictures of one size, two at a time.
+class PupilBlur {
+ public:
+  /// @throws Error  as limit_to_pupil does
+  PupilBlur(int columns, int rows, double pitch, double wavelength, double distance, double diameter);
+
+  /// @throws Error for pictures of another size
+  void apply(std::span<const PictureChannel> pictures) const;
+
+ private:
+  int columns_, rows_;
+  int left_, top_;           // pixels by which edges are continued
+  Array2D<float> transfer_;  // over frequencies, without the length of the transform
+};
 
 /// Area of the unit disc where x < u: ∫ 2√(1 − x²) dx from −1 to u, for −1 ≤ u ≤ 1.
 inline double disc_area_below(double u) { return pi / 2 + u * std::sqrt((1 - u) * (1 + u)) + std::asin(u); }
