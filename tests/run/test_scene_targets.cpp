@@ -422,7 +422,7 @@ TEST(Eyes, BesideTheOneOfTheCameraAreAWarning) {
       << warning_from(1e-4 + 0.65e-3);
 }
 
-// (w + D)(h + D)/D² of a pupil of 1 mm: 3.24 and 4, of which 15·log10(4/2.8) = 2.3 dB.
+// (w + D)(h + D)/D² of a pupil of 0.5 mm: 3.24 and 4, of which 15·log10(4/2.8) = 2.3 dB.
 TEST(Eyes, AWideEyeboxIsAWarning) {
   Job job = squares_for_an_eye();
   job.encode.iterations = 1;
@@ -432,10 +432,10 @@ TEST(Eyes, AWideEyeboxIsAWarning) {
     trace_targets(job, heard.observer());
     return heard.warnings.empty() ? "" : heard.warnings.front();
   };
-  EXPECT_EQ(warning_for("0.8 mm"), "");
-  EXPECT_TRUE(warning_for("1 mm").starts_with(
-      "the eyebox of 1 mm × 1 mm is wide for a pupil of 1 mm: from its edge the picture is about 2 dB worse"))
-      << warning_for("1 mm");
+  EXPECT_EQ(warning_for("0.4 mm"), "");
+  EXPECT_TRUE(warning_for("0.5 mm").starts_with(
+      "the eyebox of 500 µm × 500 µm is wide for a pupil of 500 µm: from its edge the picture is about 2 dB worse"))
+      << warning_for("0.5 mm");
 }
 
 TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {

@@ -114,7 +114,7 @@ LightFieldParams field_for(const Job& job, double distance, const PlanePart& par
   const Vec2 near = seen_size(job, part, middle.z, distance), far = seen_size(job, part, farthest, distance);
   const Vec2 seen{std::max(near.x, far.x), std::max(near.y, far.y)};
   const double pixel =
-      *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + middle.z) / (4 * diameter);
+      *std::min_element(job.wavelengths.begin(), job.wavelengths.end()) * (distance + middle.z) / (3 * diameter);
   field.plane = {int(std::ceil(seen.x / pixel)), int(std::ceil(seen.y / pixel)), pixel};
   return field;
 }
