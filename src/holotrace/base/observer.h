@@ -54,6 +54,14 @@ inline Observer part_of(const Observer& observer, int part, int parts) {
   return of_part;
 }
 
+/// An observer for the part of a task from one fraction of its progress to another.
+inline Observer part_between(const Observer& observer, double from, double to) {
+  Observer part = observer;
+  if (observer.on_progress)
+    part.on_progress = [&observer, from, to](double fraction) { observer.progress(from + (to - from) * fraction); };
+  return part;
+}
+
 /// An observer that ignores everything.
 inline const Observer& nobody() {
   static const Observer observer;

@@ -11,7 +11,7 @@
 #include "holotrace/base/units.h"
 #include "holotrace/data/acceptance.h"
 #include "holotrace/data/params/parameter_texts.h"
-#include "holotrace/denoise/denoise.h"
+#include "holotrace/run/renders.h"
 #include "holotrace/run/scene_targets.h"
 #include "holotrace/slm/encode/frame_start.h"
 #include "holotrace/trace/depth_range.h"
@@ -40,16 +40,6 @@ Effort effort_for_eyes(Quality quality) {
 // Paths without denoising over those that are enough with it: targets of 8 denoised paths are better than of 64 as they are. The paths
 // of an eye are shared among the parts of its pupil, whose views are denoised one by one.
 constexpr int denoised_gain = 8, denoised_gain_of_eyes = 4;
-
-bool can_denoise(const Job& job) {
-  if (job.encode.denoise == Denoise::none || !job.scene.points.empty()) return false;
-  try {
-    find_denoiser();
-    return true;
-  } catch (const NoDenoiser&) {
-    return false;
-  }
-}
 
 constexpr double most_waves = 1024 * 768;
 
@@ -201,7 +191,7 @@ class Chooser {
       set("encode.quality", encode.quality, Quality::draft, "draft", "the shortest time");
     Effort effort{1, 0, 0, default_paths};
     if (aims) effort = aims_at_eyes(job_) ? effort_for_eyes(encode.quality) : effort_of(encode.quality);
-    if (aims && can_denoise(job_)) effort.paths /= aims_at_eyes(job_) ? denoised_gain_of_eyes : denoised_gain;
+    if (aims && can_denoise_targets(job_)) effort.paths /= aims_at_eyes(job_) ? denoised_gain_of_eyes : denoised_gain;
     const std::string why =
         aims ? fmt::format("quality {}", name_of(encode.quality, quality_names)) : "one hologram of waves";
     if (job_.trace.frames == 0) choose_frames(effort.frames, why);

@@ -264,14 +264,6 @@ bool can_denoise(const Scene& scene, Denoise choice, const Observer& observer) {
   }
 }
 
-// An observer for a part of a task, from one fraction of it to another.
-Observer between(const Observer& observer, double from, double to) {
-  Observer part = observer;
-  if (observer.on_progress)
-    part.on_progress = [&observer, from, to](double fraction) { observer.progress(from + (to - from) * fraction); };
-  return part;
-}
-
 // Channel 0 of up to three pictures from `first` on, as the channels of one; the last one fills up.
 Image as_channels(const std::vector<Image>& pictures, size_t first) {
   Image all = pictures[first];
@@ -308,9 +300,9 @@ double amplitude_psnr(const Image& picture, const Image& truth) {
 Image make_picture(const Job& job, const RenderParams& params, PictureUse use, const Observer& observer) {
   if (!is_to_denoise(params.denoise, use) || !can_denoise(job.scene, params.denoise, observer))
     return make_render(job, params, observer);
-  const Image noisy = make_render(job, params, between(observer, 0, of_tracing));
+  const Image noisy = make_render(job, params, part_between(observer, 0, of_tracing));
   observer.fact("denoised", 1);
-  return denoise(noisy, {}, DenoiseQuality::high, between(observer, of_tracing, 1));
+  return denoise(noisy, {}, DenoiseQuality::high, part_between(observer, of_tracing, 1));
 }
 
 FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances, const RenderParams& params,
@@ -319,22 +311,31 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
   const double traced = is_denoised ? of_tracing : 1;
   FocalStack stack =
       trace_focal_stack(exposure_of(job), job.slm.grid, view_wavelength(job.wavelengths, job.trace.has_common_cone),
-                        distances, params, between(observer, 0, traced));
+                        distances, params, part_between(observer, 0, traced));
   if (!is_denoised) return stack;
   const double each = (1 - traced) / double(stack.pictures.size());
   for (size_t k = 0; k < stack.pictures.size(); ++k)
     stack.pictures[k] = denoise(stack.pictures[k], {}, DenoiseQuality::high,
-                                between(observer, traced + each * double(k), traced + each * double(k + 1)));
+                                part_between(observer, traced + each * double(k), traced + each * double(k + 1)));
   observer.fact("denoised", stack.pictures.size());
   return stack;
+}
+
+bool can_denoise_targets(const Job& job) {
+  if (job.encode.denoise == Denoise::none || !job.scene.points.empty()) return false;
+  try {
+    find_denoiser();
+    return true;
+  } catch (const NoDenoiser&) {
+    return false;
+  }
 }
 
 void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Image>& cells, const Observer& observer) {
   const Denoise choice = job.encode.denoise;
   if (choice == Denoise::none || !can_denoise(job.scene, choice, observer)) return;
-  Observer at_end = observer;  // tracing has reported its own progress; a caller may want to stop
-  at_end.on_progress = [&](double) { observer.progress(1); };
-  size_t done = 0;
+  const double all = double(planes.size() + cells.size());
+  size_t begun = 0, done = 0;
   for (const auto& [pictures, kind] : {std::pair(&planes, "plane"), std::pair(&cells, "view")}) {
     // Grey planes, and neighbouring views, show the same things at about the same places, so three are denoised as one picture's
     // colours: in a third of the time, for a few decibels of 50.
@@ -342,7 +343,10 @@ void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Ima
     for (size_t k = 0; k < pictures->size(); k += together) {
       observer.status(fmt::format("denoising {} {} of {}", kind, k + 1, pictures->size()));
       Image noisy = together == 1 ? std::move((*pictures)[k]) : as_channels(*pictures, k);
-      Image denoised = denoise(noisy, {}, DenoiseQuality::fast, at_end);
+      const size_t of_these = std::min(together, pictures->size() - k);
+      Image denoised = denoise(noisy, {}, DenoiseQuality::fast,
+                               part_between(observer, double(begun) / all, double(begun + of_these) / all));
+      begun += of_these;
       const double psnr = k == 0 ? amplitude_psnr(noisy, denoised) : 0;
       const bool is_clean = choice == Denoise::automatic && psnr > clean_enough;
       if (together == 1) (*pictures)[k] = std::move(is_clean ? noisy : denoised);
@@ -350,12 +354,12 @@ void denoise_targets(const Job& job, std::vector<Image>& planes, std::vector<Ima
         observer.fact("why_not_denoised", fmt::format("the light paths alone have a PSNR of {:.1f} dB", psnr));
         break;
       }
-      for (size_t c = 0; together > 1 && c < together && k + c < pictures->size(); ++c)
-        (*pictures)[k + c] = grey_of_channel(denoised, c);
-      done += std::min(together, pictures->size() - k);
+      for (size_t c = 0; together > 1 && c < of_these; ++c) (*pictures)[k + c] = grey_of_channel(denoised, c);
+      done += of_these;
     }
   }
   observer.status("");
+  observer.progress(1);
   observer.fact("denoised", done);
 }
 

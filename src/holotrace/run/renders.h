@@ -98,6 +98,9 @@ FocalStack make_focal_stack(const Job& job, const std::vector<double>& distances
 /// changes a hologram's picture by less than 0.1 dB.
 inline constexpr double clean_enough = 42;
 
+/// Whether the targets of a job may be denoised: its scene has no luminous points, and the library is there.
+bool can_denoise_targets(const Job& job);
+
 /// Denoises the traced light that holograms aim at, as job.encode.denoise says: its planes, and the views from the cells of a
 /// light field. With auto, the first picture of each kind (of grey ones the first three) shows how much noise there is: if
 /// its light paths alone are clean_enough, all of that kind stay as they are.

@@ -285,6 +285,9 @@ bool has_light_for(const KeptEyeLight& kept, const Job& job, uint64_t cause) {
   return true;
 }
 
+// The part of the time of targets that tracing takes, about.
+double end_of_tracing(const Job& job) { return can_denoise_targets(job) ? 0.6 : 1; }
+
 // Keeps the light of one more eye, whose pupil is at z, in each wavelength. take(k) gives view k up.
 void keep_eye(const Job& job, const LightField& light, double z, const std::function<Image(size_t)>& take,
               KeptEyeLight& kept) {
@@ -305,12 +308,15 @@ std::shared_ptr<const KeptEyeLight> trace_light_for_eyes(const Job& job, uint64_
   kept->distances = distances;
   const double middle = distances[distances.size() / 2];
   kept->is_of_walk = walk && bytes_of_walk(job, middle, *walk) <= most_bytes_of_walk;
-  std::vector<EyeLight> eyes = trace_eye_light(job, middle, params, observer, kept->is_of_walk ? walk : std::nullopt);
+  std::vector<EyeLight> eyes = trace_eye_light(job, middle, params, part_between(observer, 0, end_of_tracing(job)),
+                                               kept->is_of_walk ? walk : std::nullopt);
   std::vector<Image> no_planes;
-  for (EyeLight& eye : eyes) {
-    denoise_targets(job, no_planes, eye.light.views, observer);
+  const Observer rest = part_between(observer, end_of_tracing(job), 1);
+  for (size_t e = 0; e < eyes.size(); ++e) {
+    LightField& light = eyes[e].light;
+    denoise_targets(job, no_planes, light.views, part_of(rest, int(e), int(eyes.size())));
     keep_eye(
-        job, eye.light, eye.eye.z, [&](size_t k) { return std::move(eye.light.views[k]); }, *kept);
+        job, light, eyes[e].eye.z, [&](size_t k) { return std::move(light.views[k]); }, *kept);
   }
   return kept;
 }
@@ -420,9 +426,9 @@ SceneTargets trace_targets(const Job& job, const Observer& observer, const Targe
         planes.distances.push_back(distance);
     if (job.encode.target == EncodeTarget::light_field)
       planes.light_field = LightFieldParams{.distance = targets.distances[targets.distances.size() / 2]};
-    SceneViews views =
-        trace_scene_views(exposure_of(job), job.slm.grid, shared_wavelength(job), planes, params, observer);
-    denoise_targets(job, views.stack.pictures, views.light_field.views, observer);
+    SceneViews views = trace_scene_views(exposure_of(job), job.slm.grid, shared_wavelength(job), planes, params,
+                                         part_between(observer, 0, end_of_tracing(job)));
+    denoise_targets(job, views.stack.pictures, views.light_field.views, part_between(observer, end_of_tracing(job), 1));
     for (FocalStack* stack : {&targets.planes, &targets.seen}) stack->grid = views.stack.grid;
     targets.seen.distances = job.camera.distances;
     for (const double distance : job.camera.distances) {
