@@ -71,11 +71,12 @@ void add_animate_command(CLI::App& app, const GlobalFlags& global) {
   o->flags.add(*command, false);
   shorten_help(*command,
                {"holotrace animate scene.toml -o film", "holotrace animate scene.toml -o film --seconds 2 --fps 25",
-                "holotrace animate walk.glb -o film --film-format mp4"},
-               {"--output",    "--film-start", "--seconds",     "--fps",         "--times", "--shutter",
-                "--from-last", "--eye-track",  "--eye-latency", "--film-format", "--slm",   "--wavelength",
-                "--quality",   "--method",     "--frames",      "--distance",    "--pupil", "--eye",
-                "--paths",     "--seed",       "--help",        "--help-all"});
+                "holotrace animate walk.glb -o film --film-format mp4",
+                "holotrace animate bunny.obj -o film --turntable \"4 s\""},
+               {"--output",     "--film-start", "--seconds",   "--fps",         "--times",       "--shutter",
+                "--turntable",  "--from-last",  "--eye-track", "--eye-latency", "--film-format", "--slm",
+                "--wavelength", "--quality",    "--method",    "--frames",      "--distance",    "--pupil",
+                "--eye",        "--paths",      "--seed",      "--help",        "--help-all"});
   command->callback([o, &global] {
     Job first = o->flags.job(o->scene, global.outside(), std::nullopt, 0);
     o->times.apply(first.animate);

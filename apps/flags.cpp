@@ -229,6 +229,9 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int
   if (const std::string word = word_after(command, app, argc, argv); !word.empty() && !is_flag(word))
     return unknown_name_message("command", word, subcommands_of(command));
   if (const std::string unknown = first_unknown(app, error, argc, argv); !unknown.empty()) {
+    const std::string first = argc > 1 ? argv[1] : "";
+    if (command == &app && !first.empty() && !is_flag(first))
+      return unknown_name_message("command", first, subcommands_of(command));
     if (is_flag(unknown)) return unknown_flag(command, unknown);
     if (const auto names = subcommands_of(command); !names.empty())
       return unknown_name_message("command", unknown, names);

@@ -15,6 +15,12 @@ from ._noun import ArrayNoun, Noun
 from ._units import Length, format_length
 
 
+def _is_known(panel: Path) -> bool:
+    """Whether a name is that of a file or a preset."""
+    name = os.fspath(panel)
+    return str(name).endswith(".toml") or name in _core.Slm.preset_names()
+
+
 class Slm(Noun):
     """A spatial light modulator.
 
@@ -22,7 +28,7 @@ class Slm(Noun):
     ----------
     name : text or dict
         A preset (``Slm.names()``), such as ``"pluto"``, or a file with the keys of a scene's ``[slm]``; or these keys as a
-        dict. None: a panel without effects of the given columns, rows and pitch.
+        dict. None, or a name of your own: a panel without effects of the given columns, rows and pitch.
     columns, rows, pitch, modulation, levels
         Size, pixel pitch, ``"phase"``, ``"amplitude"`` or ``"complex"``, and number of levels.
     others
@@ -52,13 +58,16 @@ class Slm(Noun):
             keys["modulation"] = text(modulation, "modulation")
         if isinstance(name, Mapping):
             core = _core.slm_of_table({**name, **keys})
+        elif name is not None and None not in (columns, rows, pitch) and not _is_known(name):
+            core = _core.slm_of_table({"name": os.fspath(name), **keys})
         elif name is not None and not keys:
             core = _core.Slm.load(os.fspath(name))
         elif name is not None:
             path = os.fspath(name)
             core = _core.slm_of_table({"preset": os.path.abspath(path) if path.endswith(".toml") else path, **keys})
-        elif columns is None or rows is None or pitch is None:
-            raise _core.Error("expected the name of a panel, or its columns, rows and pitch")
+        elif "preset" not in keys and (columns is None or rows is None or pitch is None):
+            given = ", ".join(keys) or "none of them"
+            raise _core.Error(f"expected the name of a panel, or its columns, rows and pitch, got {given}")
         else:
             core = _core.slm_of_table(keys)
         self._core = core

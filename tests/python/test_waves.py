@@ -140,8 +140,14 @@ def test_a_panel_takes_all_keys_of_its_table(tmp_path):
     (tmp_path / "mine.toml").write_text('preset = "pluto"\nbits = 10\n')
     assert ht.Slm(tmp_path / "mine.toml").levels == 1024
     assert ht.Slm(tmp_path / "mine.toml", rows=20).shape == (20, 1920)
-    with pytest.raises(ht.Error, match="columns, rows and pitch"):
-        ht.Slm(columns=4)
+    assert ht.Slm("ACME 4K", columns=4, rows=3, pitch="8 um").name == "ACME 4K"
+    assert ht.Slm(preset="pluto", rows=20).shape == (20, 1920)
+    with pytest.raises(ht.Error, match="columns, rows and pitch, got .*pixel_pitch"):
+        ht.Slm(columns=4, rows=3, pixel_pitch="8 um")
+    with pytest.raises(ht.Error, match='expected metres for "design_wavelength", got 532; write "532 nm"'):
+        ht.Slm("pluto", design_wavelength=532)
+    with pytest.raises(ht.Error, match='expected a part of 1 for "fill_factor", got 93; write 0.93 or "93 %"'):
+        ht.Slm("pluto", fill_factor=93)
     with pytest.raises(ht.Error, match='unknown key "fill"'):
         ht.Slm("pluto", fill=0.9)
 

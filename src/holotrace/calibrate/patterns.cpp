@@ -83,7 +83,7 @@ Hologram blank(const Bench& bench) {
   h.levels = bench.slm.levels;
   h.wavelength = bench.wavelength;
   h.image = ImageSide::real_image;
-  h.encoder = "test pattern";
+  h.encoder = test_pattern_encoder;
   h.slm = bench.slm;
   return h;
 }

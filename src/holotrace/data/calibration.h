@@ -7,6 +7,9 @@
 
 namespace holotrace {
 
+/// Hologram::encoder of a test pattern.
+inline constexpr const char* test_pattern_encoder = "test pattern";
+
 /// What a test pattern is for. `spots`: an array of lenses in two levels, each with a focus at a known place. `levels`:
 /// the same with a pair of levels of its own in each lens. `focus`: the whole panel focuses its light to a few spots.
 enum class PatternKind { spots, levels, focus };

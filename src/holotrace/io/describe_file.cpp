@@ -150,7 +150,7 @@ Json describe_film(const std::string& folder) {
     if (const auto figure = number_in(report, key)) json[key] = *figure;
   const Json first = describe_run(time_folder(folder, 0));
   for (const auto& [name, value] : first.items())
-    if (!value.is_array() && !name.starts_with(run_view) && name != "kind" && name != "views" && name != "seconds" &&
+    if (!value.is_array() && !name.starts_with("view") && name != "kind" && name != "views" && name != "seconds" &&
         name != "version")
       json[name == "holograms" ? "holograms_of_a_time" : name] = value;
   std::vector<double> psnr;

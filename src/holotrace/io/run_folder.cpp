@@ -203,11 +203,13 @@ std::string time_folder(const std::string& film, size_t time) {
   return (fs::path(film) / fmt::format("t_{:04}", time + 1)).string();
 }
 
-bool is_film_folder(const std::string& folder) { return is_folder(time_folder(folder, 0)); }
+bool is_film_folder(const std::string& folder) {
+  return is_folder(time_folder(folder, 0)) && !is_file((fs::path(folder) / run_hologram).string());
+}
 
 RunFolder list_complete_run(const std::string& folder) {
   RunFolder run = list_run(folder);
-  require(!run.holograms.empty() || !is_film_folder(folder),
+  require(!is_film_folder(folder),
           "expected the folder of a run, but {} is that of a film; give that of one of its times, such as {}", folder,
           time_folder(folder, 0));
   require(

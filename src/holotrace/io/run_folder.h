@@ -97,6 +97,7 @@ struct RunFolder {
 /// The folder of time 0, 1, … in that of a film: a run.
 std::string time_folder(const std::string& film, size_t time);
 
+/// Whether a folder is that of a film, and holds no run of its own.
 bool is_film_folder(const std::string& folder);
 
 /// Lists the files of a folder. It may hold no run, or a part of one.

@@ -203,7 +203,7 @@ TEST(TimesOfAFilm, AreRefusedInOneSentence) {
   EXPECT_EQ(
       error_of([&] { times_of(params, std::nullopt); }),
       "expected the duration of the film, got none, and nothing in the scene changes over time; give seconds (a flag, "
-      "or a key below [animate]), or keys over time to what moves");
+      "or a key below [animate]), keys over time to what moves, or --turntable to a model");
   params.start = 2;
   EXPECT_EQ(
       error_of([&] { times_of(params, 1.0); }),

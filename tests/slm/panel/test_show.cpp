@@ -325,18 +325,26 @@ TEST(Show, TellsOfAPanelThatWasMeasuredAnew) {
     return heard.warnings;
   };
   h.slm = slm;
+  h.slm->effects.calibration[3].phase = 4.54;  // less than 0.05 rad
   EXPECT_TRUE(warnings(slm).empty());
   h.slm->effects.calibration[3].phase = 4.6;
   EXPECT_EQ(warnings(slm),
-            (std::vector<std::string>{"the hologram was made without the calibration that the SLM \"test\" has "
-                                      "now; encode it again for this panel"}));
+            (std::vector<std::string>{"the hologram was made for another calibration than the SLM \"test\" has; "
+                                      "encode it again for this panel"}));
   h.slm->effects = {};
   h.effects.clear();
   EXPECT_EQ(warnings(slm),
-            (std::vector<std::string>{"the hologram was made without the calibration and aberration that the SLM "
-                                      "\"test\" has now; encode it again for this panel"}));
+            (std::vector<std::string>{"the hologram was made for another calibration and aberration than the SLM "
+                                      "\"test\" has; encode it again for this panel"}));
   Slm ideal = slm;
   ideal.effects = {};
+  EXPECT_TRUE(warnings(ideal).empty());
+  ideal.phase_range = 2.2 * pi;
+  EXPECT_EQ(warnings(ideal),
+            (std::vector<std::string>{"the hologram was made for another phase range than the SLM \"test\" has; "
+                                      "encode it again for this panel"}));
+  // The same phases at the wavelength of the hologram.
+  ideal.design_wavelength = h.wavelength / 1.1;
   EXPECT_TRUE(warnings(ideal).empty());
   h.slm.reset();  // nothing is known
   EXPECT_TRUE(warnings(slm).empty());

@@ -24,7 +24,7 @@ std::vector<double> times_of(const AnimateParams& params, std::optional<double> 
   if (seconds == 0) {
     require(last.has_value(),
             "expected the duration of the film, got none, and nothing in the scene changes over time; give seconds (a "
-            "flag, or a key below [animate]), or keys over time to what moves");
+            "flag, or a key below [animate]), keys over time to what moves, or --turntable to a model");
     seconds = *last - params.start;
     require(seconds > 0,
             "expected a start before the last key of the scene at {}, got {}; give the duration of the film as seconds",

@@ -245,7 +245,8 @@ ModelParams edited(ModelParams model, const std::vector<SceneEdit>& edits) {
   describe([&](const auto& parameter) { known.emplace_back(parameter.name); }, model);
   for (const SceneEdit& edit : edits) {
     if (std::find(known.begin(), known.end(), edit.key) == known.end())
-      throw Error("--set: " + unknown_name_message("parameter of a model", printable(edit.key, 80), known));
+      throw Error("--set: " + unknown_name_message("parameter of a model", printable(edit.key, 80), known) +
+                  "; give all else by flags, and another panel by --slm FILE.toml");
     texts[edit.key] = edit.value;
   }
   set_from_texts(model, texts, [](const std::string& name) { return "--set " + name; });

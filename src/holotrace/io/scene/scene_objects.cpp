@@ -124,7 +124,7 @@ void SceneObjects::add_object(TomlTable object) {
         "{}the object extends through the panel, from z = {} to {}; set its \"position\", such as \"0 0 -300 mm\"",
         object.where(""), format_length(bounds.low.z), format_length(bounds.high.z)));
   const Grid& panel = job_.slm.grid;
-  if (object.has("file") && !object.has("positions") && !geometry.meshes.empty() &&
+  if ((object.has("file") || object.has("arrays")) && !object.has("positions") && !geometry.meshes.empty() &&
       seen_part(bounds, panel) < 0.25)  // an eye sees more than a camera
     add_warning(
         fmt::format("{}the model is {} wide and {} high, of which a camera sees {} × {}; set its \"fit\", such as "

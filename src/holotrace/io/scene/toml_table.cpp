@@ -224,6 +224,9 @@ void TomlTable::number(const char* key, double& value, const Range& range) {
       }
     }
     if (!number) fail_kind(key, "a number", node);
+    require(range.high > 1 || !(*number > 1 && *number <= 100),
+            "{0}expected a part of 1 for \"{1}\", got {2:g}; write {3:g} or \"{2:g} %\"", place(node.source()), key,
+            *number, *number / 100);
     check(key, node, *number, range, Quantity::number);
     return *number;
   });
@@ -276,11 +279,12 @@ std::string TomlTable::length_text(const char* key, const toml::node& node, Quan
                           is_time ? "0.5 s" : length_example(key))
                   .c_str(),
               node);
-  constexpr double longest = 10;  // of a number without a unit: 300 is meant to be 300 mm
-  const auto number = arrays_ && quantity == Quantity::length ? to_number(node) : std::nullopt;
+  // The largest number without a unit: 300 is meant to be 300 mm, and of a wavelength 532 to be 532 nm.
+  const double longest = quantity == Quantity::wavelength ? 1e-3 : 10;
+  const auto number = arrays_ && is_length(quantity) ? to_number(node) : std::nullopt;
   if (number && std::abs(*number) > longest)
-    fail("{0}expected metres for \"{1}\", got {2:g}; write \"{2:g} mm\", or \"{2:g} m\" if you mean it",
-         place(node.source()), key, *number);
+    fail("{0}expected metres for \"{1}\", got {2:g}; write \"{2:g} {3}\", or \"{2:g} m\" if you mean it",
+         place(node.source()), key, *number, quantity == Quantity::wavelength ? "nm" : "mm");
   return *text;
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +14,7 @@
 
 #include "holotrace/base/error.h"
 #include "holotrace/base/units.h"
+#include "holotrace/data/calibration.h"
 #include "holotrace/slm/panel/checks.h"
 #include "holotrace/slm/panel/crystal.h"
 #include "holotrace/slm/panel/panel_field_by_device.h"
@@ -115,16 +118,41 @@ void warn_other_effects(const Hologram& hologram, const Slm& with, const Observe
         off, with.name, off));
 }
 
+double largest_step(const std::vector<CalibrationPoint>& a, const std::vector<CalibrationPoint>& b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  double largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i].phase - b[i].phase));
+  return largest;
+}
+
+double rms_between(const std::vector<ZernikeTerm>& a, const std::vector<ZernikeTerm>& b) {
+  std::map<std::pair<int, int>, double> terms;
+  for (const ZernikeTerm& term : a) terms[{term.n, term.m}] += term.rms;
+  for (const ZernikeTerm& term : b) terms[{term.n, term.m}] -= term.rms;
+  double squares = 0;
+  for (const auto& [order, rms] : terms) squares += rms * rms;
+  return std::sqrt(squares);
+}
+
 // Levels are right for the data of the panel for which they were found, which may have been measured anew since.
 void warn_newer_data(const Hologram& hologram, const Slm& with, const Observer& observer) {
-  if (!hologram.slm) return;
+  if (!hologram.slm || hologram.encoder == test_pattern_encoder) return;
+  constexpr double visible = 0.05;  // rad: a thousandth of the light
   const SlmEffects &then = hologram.slm->effects, &now = with.effects;
   std::vector<std::string> newer;
-  if (!now.calibration.empty() && now.calibration != then.calibration) newer.push_back("calibration");
-  if (!now.aberration.empty() && now.aberration != then.aberration) newer.push_back("aberration");
+  const bool has_phases = hologram.modulation != Modulation::amplitude && with.modulation != Modulation::amplitude;
+  if (!now.calibration.empty()) {
+    if (largest_step(now.calibration, then.calibration) > visible) newer.push_back("calibration");
+  } else if (has_phases && then.calibration.empty()) {
+    const auto range_at = [&](const Slm& slm) {
+      return slm.phase_range * (slm.design_wavelength > 0 ? slm.design_wavelength / hologram.wavelength : 1);
+    };
+    if (std::abs(range_at(with) - range_at(*hologram.slm)) > visible) newer.push_back("phase range");
+  }
+  if (!now.aberration.empty() && rms_between(now.aberration, then.aberration) > visible) newer.push_back("aberration");
   if (!newer.empty())
     observer.warn(
-        fmt::format("the hologram was made without the {} that the SLM \"{}\" has now; encode it again for this panel",
+        fmt::format("the hologram was made for another {} than the SLM \"{}\" has; encode it again for this panel",
                     fmt::join(newer, " and "), with.name));
 }
 
