@@ -171,6 +171,10 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     require(!checkpoints.are_kept() || params.method == Encoding::sgd,
             "expected --checkpoint only with --method sgd; use sgd, or leave out --checkpoint");
     check_flag("--frames", o->frames, range::at_least(1), Quantity::count);
+    require(params.eye.empty() || is_light_field || !is_there(o->input),
+            "expected --eye only with a light field, got {}; leave it out, or run the scene with --eye", o->input);
+    require(params.quality == Quality::automatic || !is_there(o->input),
+            "expected --quality only in a run of a scene, got {}; leave it out, and give --iterations", o->input);
     require(o->frames == 1 || is_stack || is_light_field || !is_there(o->input),
             "expected --frames only with a focal stack or a light field, got {}; leave it out", o->input);
     std::vector<Field> fields;

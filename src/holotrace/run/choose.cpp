@@ -196,7 +196,14 @@ class Chooser {
         aims ? fmt::format("quality {}", name_of(encode.quality, quality_names)) : "one hologram of waves";
     if (job_.trace.frames == 0) choose_frames(effort.frames, why);
     if (job_.render.paths == 0) set("render.paths", job_.render.paths, effort.paths, aims ? why : "the default");
-    if (!aims) return;
+    if (!aims) {
+      if (encode.quality != Quality::automatic)
+        job_.warnings.push_back(fmt::format(
+            "quality {}: not used, because {} holograms are found without iterations to the scene's light; leave "
+            "the method out to use it",
+            name_of(encode.quality, quality_names), name_of(encode.method, encoding_names)));
+      return;
+    }
     if (encode.planes == 0 && encode.target_distances.empty()) set("encode.planes", encode.planes, effort.planes, why);
     if (encode.iterations == 0) set("encode.iterations", encode.iterations, effort.iterations, why);
     if (encode.device.kind == DeviceKind::cpu && job_.synthesize.device.kind != DeviceKind::cpu)
@@ -212,6 +219,7 @@ class Chooser {
     if (encode.target == EncodeTarget::light_field || (!encode.eye.empty() && eyebox_of(encode).is_all))
       return "the light is for eyes at any place";
     if (encode.is_joint && job_.wavelengths.size() > 1) return "each frame shows all colours";
+    if (has_crosstalk(job_.slm, encode)) return "the panel has crosstalk, with which frames start from random phases";
     if (!shows_smooth_starts(job_.slm, encode)) return "the panel has no phases, or few levels of them";
     if (encode.start == StartPhase::random) return "the frames start from random phases";
     const double depth = job_.wavelengths.empty() ? 0 : depth_of_scene(job_);

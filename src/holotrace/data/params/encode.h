@@ -291,7 +291,7 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(texts(
       "effects", p.effects,
       "panel effects that the encoding compensates: calibration, crystal, aberration, phase-map, light-map; with sgd "
-      "all but flicker; all; or none; empty: the first five, as far as the panel's own file has them"));
+      "all but flicker; all; or none; empty: as many of these as the panel's own file has"));
 }
 
 /// The eyes of an encoding. @throws Error  unless there are three lengths for each, and z is above 0

@@ -181,8 +181,8 @@ void save_hologram(const std::string& path, const Hologram& hologram, const Seri
   if (!is_png) json["level_sum"] = sum_of(hologram.level);
   const std::string text = json.dump(-1, ' ', true);  // ASCII, as PNG asks for
   const bool is_inside = is_png && text.size() <= longest_text;
-  if (!is_inside) write_text(sidecar_path(path), text + "\n");
   write_levels(path, hologram.level, hologram.levels, hologram.modulation, is_inside ? text : "");
+  if (!is_inside) write_text(sidecar_path(path), text + "\n");
 }
 
 void save_holograms(const OutputSet& set, const std::string& name, const std::vector<Hologram>& holograms) {

@@ -89,7 +89,8 @@ Modulation modulation_of(const EncodeParams& params, const Slm& slm) {
 Slm known_panel(const Slm& slm, const EncodeParams& params) {
   if (!params.effects.empty()) return with_effects(slm, params.effects);
   std::vector<std::string> names = slm.own_effects;
-  std::erase_if(names, [](const std::string& name) {
+  std::erase_if(names, [&](const std::string& name) {
+    if (params.method == Encoding::sgd) return name == "flicker";
     return name != "calibration" && name != "crystal" && name != "aberration" && name != "phase-map" &&
            name != "light-map";
   });

@@ -120,8 +120,13 @@ Field converging_field(const TargetSet& targets, const FrameOfMany& which, const
 
 }  // namespace
 
+bool has_crosstalk(const Slm& slm, const EncodeParams& params) {
+  return known_panel(slm, params).effects.crosstalk > 0;
+}
+
 bool shows_smooth_starts(const Slm& slm, const EncodeParams& params) {
   constexpr int coarse = 4;  // levels
+  if (has_crosstalk(slm, params)) return false;
   const Modulation modulation = modulation_of(params, slm);
   const int levels = params.levels == 0 ? slm.levels : params.levels;
   return modulation == Modulation::complex || (modulation == Modulation::phase && levels > coarse);
@@ -132,6 +137,7 @@ FrameStart start_of_frames(const TargetSet& targets, double wavelength, int fram
   constexpr double least_shift = 0.7;  // of the window's smaller side
   if (params.start == StartPhase::random) return FrameStart::random;
   if (!targets.eyes.empty()) return FrameStart::converging;
+  if (has_crosstalk(slm, params)) return FrameStart::random;
   if (!shows_smooth_starts(slm, params) || wavelengths_of(targets).size() != 1 || targets.draw_views)
     return FrameStart::speckle;
   const Grid& panel = slm.grid;
@@ -203,7 +209,9 @@ void write_frame_start(FrameStart start, const TargetSet& targets, const FrameOf
   Field field(slm.grid, wavelength);
   if (start == FrameStart::speckle) field = speckle_field(targets, wavelength, which, slm, params);
   field.label.frame = uint32_t(which.frame);
-  write_start(start_pattern(field, params, hologram.modulation), levels, hologram);
+  EncodeParams own = params;
+  if (start == FrameStart::random) own.start = StartPhase::random;
+  write_start(start_pattern(field, own, hologram.modulation), levels, hologram);
 }
 
 }  // namespace holotrace

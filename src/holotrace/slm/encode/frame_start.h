@@ -17,8 +17,12 @@ enum class FrameStart {
   converging,  ///< a wave that converges to an eye, with the modulus of what the eye sees; as double phases
 };
 
-/// Whether a panel shows smooth starts: it has complex modulation, or more than 4 levels of phase. With fewer levels double
-/// phases are no better than random ones.
+/// Whether the levels allow for crosstalk of the panel. It blurs the chessboard of double phases, and gradients find no way from what
+/// it leaves: then frames start from random phases.
+bool has_crosstalk(const Slm& slm, const EncodeParams& params);
+
+/// Whether a panel shows smooth starts: it has complex modulation, or more than 4 levels of phase, and no crosstalk. With fewer levels
+/// double phases are no better than random ones.
 bool shows_smooth_starts(const Slm& slm, const EncodeParams& params);
 
 /// The best start of `frames` frames at a wavelength:
