@@ -72,6 +72,10 @@ def animate(
         for one in ht.animate("chess.toml", seconds=2, fps=25, stages={"trace": {"paths": 16}}):
             one.holograms[0].save(f"hologram_{one.time:.3f}.png")
 
+    A function also takes what `load_scene` takes, such as a turntable and another panel::
+
+        ht.animate(lambda t: ht.load_scene("teapot.obj", slm="pluto", turntable="4 s", time=t), seconds=4, fps=10)
+
     ``shutter``: how long the shutter of each time is open, as `Scene` takes it, at most 1/fps, for which its holograms are shown. A camera with a
     longer exposure sees the mean of the views of several times.
 
