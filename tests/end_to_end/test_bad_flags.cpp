@@ -33,6 +33,10 @@ TEST(BadInput, FlagsOfTheWrongKindAreNamed) {
   expect_error(work, {"field", "scene.toml", "-o", "f.npy", "--wavelength", "-1 nm"}, {"wavelength", "above 0"});
   expect_error(work, {"encode", f, "-o", "h.png", "--method", "phaze"}, {"did you mean \"phase\""});
   expect_error(work, {"encode", f, "-o", "h.png", "--levels", "1"}, {"levels", "2 to"});
+  expect_error(work, {"encode", f, "-o", "h.png", "--eye", "0 0 250 mm"},
+               {"--eye only with a light field", "run the scene"});
+  expect_error(work, {"encode", f, "-o", "h.png", "--quality", "best"}, {"--quality only in a run", "--iterations"});
+  expect_error(work, {"rnu", f, "-o", "x"}, {"unknown command \"rnu\"", "did you mean \"run\""});
   expect_error(work, {"show", h, "-o", "v.png", "--slm", "gaia"}, {"did you mean \"gaea\""});
   expect_error(work, {"trace", "scene.toml", "-o", "s.ply", "--field-of-view", "3"}, {"--field-of-view:", "unit"});
   expect_error(work, {"trace", "scene.toml", "-o", "s.ply", "--paths", "many"}, {"--paths:", "whole number"});

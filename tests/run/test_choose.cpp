@@ -83,6 +83,11 @@ TEST(Choose, DraftsOfOneFrameNeedASmoothStart) {
               job.encode.is_joint = true;
             }),
             4);
+  EXPECT_EQ(frames([](Job& job) {
+              job.slm.effects.crosstalk = 0.2;
+              job.slm.own_effects = {"crosstalk"};
+            }),
+            4);
   EXPECT_EQ(frames([](Job&) {}, Goal::waves), 1);
 }
 
@@ -195,6 +200,12 @@ TEST(Choose, OtherMethodsKeepTheirTarget) {
   Job job = empty_job();
   job.encode.method = Encoding::gerchberg_saxton;
   EXPECT_EQ(choose_missing(job).encode.target, EncodeTarget::field);
+  EXPECT_TRUE(choose_missing(job).warnings.empty());
+  job.encode.quality = Quality::best;
+  ASSERT_EQ(choose_missing(job).warnings.size(), 1u);
+  EXPECT_TRUE(
+      choose_missing(job).warnings[0].starts_with("quality best: not used, because gerchberg-saxton holograms"));
+  job.encode.quality = Quality::automatic;
   job.encode.method = Encoding::sgd;
   job.trace.columns = 300;  // the light of these waves
   EXPECT_EQ(choose_missing(job).encode.target, EncodeTarget::field);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/frame_start.h"
@@ -53,6 +55,17 @@ TEST(FrameStart, DependsOnPanelTargetsAndParameters) {
   Slm amplitudes = slm;
   amplitudes.modulation = Modulation::amplitude;
   EXPECT_EQ(start_with(targets, 1, amplitudes, descent()), FrameStart::speckle);
+  // Crosstalk that the levels allow for: by default that of the panel's own file.
+  Slm blurred = slm;
+  blurred.effects.crosstalk = 0.1;
+  EXPECT_EQ(start_with(targets, 1, blurred, descent()), FrameStart::smooth);
+  blurred.own_effects = {"crosstalk"};
+  EXPECT_EQ(start_with(targets, 1, blurred, descent()), FrameStart::random);
+  params = descent();
+  params.effects = {"none"};
+  EXPECT_EQ(start_with(targets, 1, blurred, params), FrameStart::smooth);
+  blurred.modulation = Modulation::complex;
+  EXPECT_EQ(start_with(one_plane(slm, -0.001), 4, blurred, descent()), FrameStart::smooth);
   Slm complex = slm;
   complex.modulation = Modulation::complex;
   EXPECT_EQ(start_with(one_plane(slm, -0.001), 4, complex, descent()), FrameStart::smooth);  // without a second term
@@ -195,6 +208,22 @@ TEST(FrameStart, ConvergingOnesHaveTheModulusThatTheEyeSees) {
   double sum = 0;
   for (int k = 0; k < 20; ++k) sum += mean_at(few, 4, -0.35e-3 + 0.032e-3 * k, -0.1e-3).real() / 20;
   EXPECT_NEAR(sum, 0.37, 0.1);  // 320 pixels of a spread of 0.6: ±0.035
+}
+
+// Random phases are not all the same, and those of two frames differ.
+TEST(FrameStart, RandomPhasesAreRandom) {
+  const Slm slm = make_panel(96, 64);
+  const TargetSet targets = one_plane(slm, -lens);
+  const auto levels_of = [&](int frame) {
+    Hologram hologram = blank_hologram(Field(slm.grid, test_wavelength), slm, descent(), {});
+    write_frame_start(FrameStart::random, targets, {frame, 2}, slm, descent(),
+                      PhaseLevels(slm, slm.levels, test_wavelength), hologram);
+    return hologram.level.values;
+  };
+  const std::vector<uint16_t> first = levels_of(0);
+  const std::set<uint16_t> different(first.begin(), first.end());
+  EXPECT_GT(different.size(), 200u);
+  EXPECT_NE(first, levels_of(1));
 }
 
 }  // namespace

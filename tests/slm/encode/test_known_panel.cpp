@@ -97,6 +97,13 @@ TEST(KnownPanel, EachPixelTakesTheNearestLevelOfThePanelsOwnTable) {
     return std::norm(sum / double(field.samples.size()));
   };
   const Hologram unknown = encode(field, slm, {.method = Encoding::phase});
+  // Iterations compensate all of the panel's own effects but flicker.
+  slm.own_effects = {"calibration", "crosstalk", "flicker"};
+  slm.effects.crosstalk = 0.1, slm.effects.flicker = 0.01;
+  EXPECT_EQ(effects_of(known_panel(slm, {.method = Encoding::phase})), (std::vector<std::string>{"calibration"}));
+  EXPECT_EQ(effects_of(known_panel(slm, {.method = Encoding::sgd})),
+            (std::vector<std::string>{"calibration", "crosstalk"}));
+  slm.effects.crosstalk = slm.effects.flicker = 0;
   slm.own_effects = {"calibration"};
   const Hologram known = encode(field, slm, {.method = Encoding::phase});
   EXPECT_EQ(known.effects, slm.own_effects);

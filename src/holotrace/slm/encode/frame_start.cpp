@@ -121,7 +121,7 @@ Field converging_field(const TargetSet& targets, const FrameOfMany& which, const
 }  // namespace
 
 bool has_crosstalk(const Slm& slm, const EncodeParams& params) {
-  return known_panel(slm, params).effects.crosstalk > 0;
+  return modulation_of(params, slm) == Modulation::phase && known_panel(slm, params).effects.crosstalk > 0;
 }
 
 bool shows_smooth_starts(const Slm& slm, const EncodeParams& params) {

@@ -17,17 +17,18 @@ enum class FrameStart {
   converging,  ///< a wave that converges to an eye, with the modulus of what the eye sees; as double phases
 };
 
-/// Whether the levels allow for crosstalk of the panel. It blurs the chessboard of double phases, and gradients find no way from what
-/// it leaves: then frames start from random phases.
+/// Whether phase levels allow for crosstalk of the panel. It blurs the chessboard of double phases, and iterations do not find a good
+/// picture from what it leaves: such frames start from random phases.
 bool has_crosstalk(const Slm& slm, const EncodeParams& params);
 
-/// Whether a panel shows smooth starts: it has complex modulation, or more than 4 levels of phase, and no crosstalk. With fewer levels
+/// Whether a panel shows smooth starts: it has complex modulation, or more than 4 levels of phase and no crosstalk. With fewer levels
 /// double phases are no better than random ones.
 bool shows_smooth_starts(const Slm& slm, const EncodeParams& params);
 
 /// The best start of `frames` frames at a wavelength:
 ///
-/// - `converging` if the targets name eyes, `random` if the parameters ask for it, otherwise smooth or speckle;
+/// - `converging` if the targets name eyes, `random` if the parameters ask for it or the panel has crosstalk (has_crosstalk), otherwise
+///   smooth or speckle;
 /// - `smooth` needs a panel that shows it, targets of one wavelength, and no views: light that should reach pupils everywhere
 ///   must spread. On a panel of phases several frames also need room for the second term of double phases, which stands
 ///   λ|z|/2p aside in the middle plane, z away: 0.7 of the window's smaller side or more.
