@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <set>
-#include <vector>
 
 #include "holotrace/slm/encode/blank_hologram.h"
 #include "holotrace/slm/encode/frame_start.h"
@@ -220,7 +219,7 @@ TEST(FrameStart, RandomPhasesAreRandom) {
                       PhaseLevels(slm, slm.levels, test_wavelength), hologram);
     return hologram.level.values;
   };
-  const std::vector<uint16_t> first = levels_of(0);
+  const auto first = levels_of(0);
   const std::set<uint16_t> different(first.begin(), first.end());
   EXPECT_GT(different.size(), 200u);
   EXPECT_NE(first, levels_of(1));
