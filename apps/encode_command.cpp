@@ -86,18 +86,6 @@ std::string command_to_see(const std::string& output, size_t holograms, const Gr
                      format_length(size.rows * panel.pitch));
 }
 
-// Effects of a panel of the user's that views have and these levels do not allow for, because they take more time.
-void print_effects_left_out(const Slm& slm, const EncodeParams& params) {
-  if (params.method != Encoding::sgd || !params.effects.empty()) return;
-  std::vector<std::string> left;
-  const std::vector<std::string> allowed = effects_of(known_panel(slm, params));
-  for (const std::string& name : slm.own_effects)
-    if (name != "flicker" && std::find(allowed.begin(), allowed.end(), name) == allowed.end()) left.push_back(name);
-  if (!left.empty())
-    fmt::print("the levels do not allow for the panel's {}; --effects all does, and takes longer\n",
-               fmt::join(left, ", "));
-}
-
 // The holograms that a job will make, without their levels.
 std::vector<Hologram> blank_holograms(const EncodeJob& job, int frames, const Slm& slm, const EncodeParams& params) {
   std::vector<Hologram> blank;
@@ -227,7 +215,6 @@ void add_encode_command(CLI::App& app, const GlobalFlags& global) {
     if (!o->report.empty()) save_report(o->report, report);
     if (!o->plot.empty()) save_chart(o->plot, convergence_chart(report));
     checkpoints.remove();
-    if (!global.is_quiet) print_effects_left_out(slm, params);
     const bool is_picture = !is_field && !is_stack && !is_light_field;
     if (is_picture && !params.target_distances.empty() && !o->panel.are_given() && !global.is_quiet)
       fmt::print("to see the picture: {}\n", command_to_see(o->output, holograms.size(), slm.grid, params));

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -13,12 +13,6 @@ from ._checked import count, text
 from ._fields import Path
 from ._noun import ArrayNoun, Noun
 from ._units import Length, format_length
-
-
-def _is_known(panel: Path) -> bool:
-    """Whether a name is that of a file or a preset."""
-    name = os.fspath(panel)
-    return str(name).endswith(".toml") or name in _core.Slm.preset_names()
 
 
 class Slm(Noun):
@@ -58,13 +52,8 @@ class Slm(Noun):
             keys["modulation"] = text(modulation, "modulation")
         if isinstance(name, Mapping):
             core = _core.slm_of_table({**name, **keys})
-        elif name is not None and None not in (columns, rows, pitch) and not _is_known(name):
-            core = _core.slm_of_table({"name": os.fspath(name), **keys})
-        elif name is not None and not keys:
-            core = _core.Slm.load(os.fspath(name))
         elif name is not None:
-            path = os.fspath(name)
-            core = _core.slm_of_table({"preset": os.path.abspath(path) if path.endswith(".toml") else path, **keys})
+            core = self._named(os.fspath(name), keys)
         elif "preset" not in keys and (columns is None or rows is None or pitch is None):
             given = ", ".join(keys) or "none of them"
             raise _core.Error(f"expected the name of a panel, or its columns, rows and pitch, got {given}")
@@ -72,6 +61,20 @@ class Slm(Noun):
             core = _core.slm_of_table(keys)
         self._core = core
         self.facts = {}
+
+    @staticmethod
+    def _named(name: str, keys: Dict[str, Any]) -> Any:
+        """A panel by name or file, with keys in place of its own; or an ideal one of that name, where none is known like it."""
+        try:
+            core = _core.Slm.load(name)
+        except _core.Error as error:
+            if not {"columns", "rows", "pitch"} <= set(keys) or name.endswith(".toml") or "did you mean" in str(error):
+                raise
+            return _core.slm_of_table({"name": name, **keys})
+        if not keys:
+            return core
+        preset = os.path.abspath(name) if name.endswith(".toml") else name
+        return _core.slm_of_table({"preset": preset, "name": core.name, **keys})
 
     @staticmethod
     def names() -> List[str]:

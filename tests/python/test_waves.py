@@ -141,6 +141,9 @@ def test_a_panel_takes_all_keys_of_its_table(tmp_path):
     assert ht.Slm(tmp_path / "mine.toml").levels == 1024
     assert ht.Slm(tmp_path / "mine.toml", rows=20).shape == (20, 1920)
     assert ht.Slm("ACME 4K", columns=4, rows=3, pitch="8 um").name == "ACME 4K"
+    assert ht.Slm("pluto", columns=96, rows=54).name == "pluto"
+    with pytest.raises(ht.Error, match='did you mean "pluto"'):
+        ht.Slm("plutto", columns=4, rows=3, pitch="8 um")
     assert ht.Slm(preset="pluto", rows=20).shape == (20, 1920)
     with pytest.raises(ht.Error, match="columns, rows and pitch, got .*pixel_pitch"):
         ht.Slm(columns=4, rows=3, pixel_pitch="8 um")

@@ -203,8 +203,8 @@ TEST(Choose, OtherMethodsKeepTheirTarget) {
   EXPECT_TRUE(choose_missing(job).warnings.empty());
   job.encode.quality = Quality::best;
   ASSERT_EQ(choose_missing(job).warnings.size(), 1u);
-  EXPECT_TRUE(
-      choose_missing(job).warnings[0].starts_with("quality best: not used, because gerchberg-saxton holograms"));
+  EXPECT_TRUE(choose_missing(job).warnings[0].starts_with(
+      "quality best: not used, because the method gerchberg-saxton does not"));
   job.encode.quality = Quality::automatic;
   job.encode.method = Encoding::sgd;
   job.trace.columns = 300;  // the light of these waves

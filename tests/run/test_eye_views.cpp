@@ -3,7 +3,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "holotrace/base/random.h"
 #include "holotrace/run/eye_views.h"
+#include "holotrace/view/combine_views.h"
+#include "holotrace/view/pupil_picture.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -181,6 +184,37 @@ TEST(ViewpointsOf, HaveOneBesideTheEyeboxOfEachEye) {
   EXPECT_NEAR(from[3].camera.eye.x, -2.7e-3, 1e-15);
   job.encode.eyebox = {"all"};
   EXPECT_EQ(viewpoints_of(job).size(), 2u);
+}
+
+// Two views are blurred together and the third alone, in each wavelength: as one by one, in their order.
+TEST(EyeViews, LightOfSeveralWavelengthsIsThatOfEach) {
+  LightField light{.panel = {8, 6, 8e-6},
+                   .lens = {3, 1, 1e-3},
+                   .lens_z = 0.25,
+                   .columns = 3,
+                   .rows = 1,
+                   .plane = {40, 30, 30e-6},
+                   .distance = 0.3,
+                   .views = {}};
+  for (int k = 0; k < 3; ++k) {
+    Image& view = light.views.emplace_back(30, 40, 3);
+    for (size_t i = 0; i < view.values.size(); ++i) view.values[i] = float(CounterRandom(uint64_t(k), 1, i).uniform());
+  }
+  const std::vector<double> wavelengths{638e-9, 450e-9};
+  std::vector<size_t> taken;
+  const std::vector<LightField> both = lights_for_pupil(light, wavelengths, 3e-3, 0.25, [&](size_t k) {
+    taken.push_back(k);
+    return light.views[k];
+  });
+  EXPECT_EQ(taken, (std::vector<size_t>{0, 1, 2}));
+  ASSERT_EQ(both.size(), 2u);
+  for (size_t w = 0; w < 2; ++w)
+    for (size_t k = 0; k < 3; ++k) {
+      Image alone = seen_at(light.views[k], {wavelengths[w]});
+      limit_to_pupil(alone, 30e-6, wavelengths[w], 0.55, 3e-3);
+      for (size_t i = 0; i < alone.values.size(); ++i)
+        ASSERT_NEAR(both[w].views[k].values[i], alone.values[i], 1e-6) << w << " " << k << " " << i;
+    }
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ Effort effort_for_eyes(Quality quality) {
 }
 
 // Paths without denoising over those that are enough with it: targets of 8 denoised paths are better than of 64 as they are. The paths
-// of an eye are shared among the parts of its pupil, whose views are denoised one by one.
+// of an eye are shared among the parts of its pupil, whose views are denoised, each with its own noise.
 constexpr int denoised_gain = 8, denoised_gain_of_eyes = 4;
 
 constexpr double most_waves = 1024 * 768;
@@ -199,9 +199,11 @@ class Chooser {
     if (!aims) {
       if (encode.quality != Quality::automatic)
         job_.warnings.push_back(fmt::format(
-            "quality {}: not used, because {} holograms are found without iterations to the scene's light; leave "
-            "the method out to use it",
-            name_of(encode.quality, quality_names), name_of(encode.method, encoding_names)));
+            "quality {}: not used, because {}", name_of(encode.quality, quality_names),
+            encode.method == Encoding::sgd
+                ? "the holograms aim at the light of waves; set the target to render"
+                : fmt::format("the method {} does not iterate toward the scene's light; leave the method out",
+                              name_of(encode.method, encoding_names))));
       return;
     }
     if (encode.planes == 0 && encode.target_distances.empty()) set("encode.planes", encode.planes, effort.planes, why);

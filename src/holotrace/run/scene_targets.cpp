@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -227,9 +228,9 @@ void warn_of_wide_eyebox(const Job& job, const Observer& observer) {
   const double pupil = pupil_of(job.encode), pupils = (box.width + pupil) * (box.height + pupil) / (pupil * pupil);
   if (pupils <= wide) return;
   observer.warn(fmt::format(
-      "the eyebox of {} × {} is wide for a pupil of {}: from its edge the picture is about {:.0f} dB worse than in one two thirds as "
-      "wide as the pupil, and up to 20 dB worse if most of it is bright; use a smaller [encode] eyebox, an eye for each viewer, or more "
-      "frames and iterations",
+      "the eyebox of {} × {} is wide for a pupil of {}: from its edge the picture is about {:.0f} dB worse than from that of an eyebox two "
+      "thirds as wide as the pupil, and up to 20 dB worse if most of the picture is bright; use a smaller [encode] eyebox, or an eye for "
+      "each viewer",
       format_length(box.width), format_length(box.height), format_length(pupil), 15 * std::log10(pupils / 2.8)));
 }
 
@@ -311,12 +312,14 @@ std::shared_ptr<const KeptEyeLight> trace_light_for_eyes(const Job& job, uint64_
   std::vector<EyeLight> eyes = trace_eye_light(job, middle, params, part_between(observer, 0, end_of_tracing(job)),
                                                kept->is_of_walk ? walk : std::nullopt);
   std::vector<Image> no_planes;
-  const Observer rest = part_between(observer, end_of_tracing(job), 1);
-  for (size_t e = 0; e < eyes.size(); ++e) {
-    LightField& light = eyes[e].light;
-    denoise_targets(job, no_planes, light.views, part_of(rest, int(e), int(eyes.size())));
+  std::vector<Image> views;  // of all eyes
+  for (EyeLight& eye : eyes) std::move(eye.light.views.begin(), eye.light.views.end(), std::back_inserter(views));
+  denoise_targets(job, no_planes, views, part_between(observer, end_of_tracing(job), 1));
+  size_t first = 0;
+  for (const EyeLight& eye : eyes) {
     keep_eye(
-        job, light, eyes[e].eye.z, [&](size_t k) { return std::move(light.views[k]); }, *kept);
+        job, eye.light, eye.eye.z, [&](size_t k) { return std::move(views[first + k]); }, *kept);
+    first += eye.light.views.size();
   }
   return kept;
 }

@@ -267,20 +267,29 @@ TEST(SceneFile, WarningsOfModelsReachTheJob) {
 // The panel is 15.36 mm wide and 8.64 mm high: of the triangle's 40 × 40 mm, 8.3 % lie before it.
 TEST(SceneFile, ModelsOfWhichACameraSeesLittleAreNoticed) {
   const std::string file = test::make_file("large.gltf", test::GltfTriangle{}.text());
-  const auto warnings = [&](const std::string& more) {
-    return load("wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = '" + file + "'\n" + more)
+  const auto warnings = [&](const std::string& more, const std::string& rest = "") {
+    return load("wavelength = \"532 nm\"\nbackground = 1\n[[object]]\ntype = \"mesh\"\nfile = '" + file + "'\n" + more +
+                rest)
         .warnings;
   };
-  const std::vector<std::string> large = warnings("scale = 0.04\nposition = \"-20 -20 -300 mm\"\n");
-  ASSERT_EQ(large.size(), 1u);
-  EXPECT_NE(large[0].find(
-                "the model is 40 mm wide and 40 mm high, of which a camera sees 15.36 mm × 8.64 mm; set its \"fit\", "
-                "such as \"8.64 mm\", its \"scale\" or its \"position\""),
+  const std::string large = "scale = 0.04\nposition = \"-20 -20 -300 mm\"\n",
+                    beside = "scale = 0.002\nposition = \"20 0 -300 mm\"\n";
+  ASSERT_EQ(warnings(large).size(), 1u);
+  EXPECT_NE(warnings(large)[0].find(
+                "the model is 40 mm wide and 40 mm high, of which a camera sees 15.36 mm × 8.64 mm; set its "
+                "\"fit\", such as \"8.64 mm\", or its \"scale\""),
             std::string::npos)
-      << large[0];
-  EXPECT_TRUE(warnings("scale = 0.02\nposition = \"-10 -10 -300 mm\"\n").empty());  // 33 %
-  EXPECT_EQ(warnings("scale = 0.002\nposition = \"20 0 -300 mm\"\n").size(), 1u);
+      << warnings(large)[0];
+  EXPECT_TRUE(warnings("scale = 0.03\nposition = \"-15 -15 -300 mm\"\n").empty());  // 15 %
+  ASSERT_EQ(warnings(beside).size(), 1u);
+  EXPECT_NE(warnings(beside)[0].find("the model lies beside what a camera sees"), std::string::npos)
+      << warnings(beside)[0];
+  for (const char* camera : {"[camera]\nwidth = \"40 mm\"\nheight = \"40 mm\"\n",
+                             "[camera]\neye = \"0 0 250 mm\"\npupil = \"3 mm\"\n", "[encode]\neye = \"0 0 250 mm\"\n"})
+    EXPECT_TRUE(warnings(large, camera).empty()) << camera;
   EXPECT_TRUE(warnings("scale = 0.002\npositions = [\"0 0 -300 mm\", \"20 0 -300 mm\"]\n").empty());
+  EXPECT_TRUE(
+      warnings("scale = 0.002\nposition = { \"0 s\" = \"20 0 -300 mm\", \"1 s\" = \"0 0 -300 mm\" }\n").empty());
 }
 
 // A model is scaled from 1 m to 20 mm: a point light of 1 W/sr to (1/50)². The lights of two copies are two.

@@ -237,7 +237,7 @@ void describe(Visitor&& v, EncodeParams& p) {
       "quality", p.quality, quality_names,
       "scenes: time that the picture is worth: number of frames, target planes (at most), iterations, and light paths "
       "per pixel, where none is given; draft: 1 (deep scenes: 4), 4, 30, 32; good: 8, 16, 70, 128; best: 16, 24, "
-      "200, 256; targets that are denoised take an eighth of the paths; auto: draft; with draft, good or best the method is sgd"));
+      "200, 256; targets that are denoised take an eighth of the paths, for eyes a quarter; auto: draft; with draft, good or best the method is sgd"));
   v(lengths("target_distances", p.target_distances, range::any,
             "iterations: distances of the target planes from the panel"));
   v(lengths("eye", p.eye, range::any,
@@ -291,7 +291,7 @@ void describe(Visitor&& v, EncodeParams& p) {
   v(texts(
       "effects", p.effects,
       "panel effects that the encoding compensates: calibration, crystal, aberration, phase-map, light-map; with sgd "
-      "all but flicker; all; or none; empty: as many of these as the panel's own file has"));
+      "all but flicker; all; or none; empty: those of the panel's own file"));
 }
 
 /// The eyes of an encoding. @throws Error  unless there are three lengths for each, and z is above 0

@@ -208,7 +208,8 @@ class GltfReader {
 
   void read_camera(size_t number, const Json& node, const Frame& place) {
     const Json& camera = list(gltf_.document, "cameras").at(number);
-    ModelCamera read{camera.value("name", node.value("name", std::to_string(cameras_.size() + 1))), place};
+    ModelCamera read{camera.value("name", node.value("name", "")), place};
+    if (read.name.empty()) read.name = std::to_string(cameras_.size() + 1);
     const bool is_orthographic = camera.at("type") == "orthographic";
     const Json& lens = camera.at(is_orthographic ? "orthographic" : "perspective");
     (is_orthographic ? read.offset : read.slope) =

@@ -168,6 +168,7 @@ Job read_job(TomlTable& root, const std::string& path, Outside outside, std::opt
   if (!has_light(job.scene)) job.warnings.emplace_back(no_light);
   job.time = root.time()->now;
   job.last_key = root.time()->last;
+  objects.warn_of_models_beside_the_view();
   if (const auto eye = root.table("eye")) eye->locate("track", [&] { follow_eye_track(job); });
   return job;
 }

@@ -43,17 +43,6 @@ struct Bounds {
   }
 };
 
-// The part of a box's front that lies before the panel, which is what a camera sees of it; 1 without an area.
-double seen_part(const Bounds& bounds, const Grid& panel) {
-  const double width = bounds.high.x - bounds.low.x, height = bounds.high.y - bounds.low.y;
-  if (!(width > 0 && height > 0)) return 1;
-  const auto within = [](double low, double high, double side) {
-    return std::max(0.0, std::min(high, side / 2) - std::max(low, -side / 2));
-  };
-  return within(bounds.low.x, bounds.high.x, panel.width()) / width *
-         within(bounds.low.y, bounds.high.y, panel.height()) / height;
-}
-
 Bounds bounds_of(const std::vector<Mesh>& meshes, const std::vector<ScenePoint>& points = {}) {
   Bounds bounds;
   for (const Mesh& mesh : meshes)
@@ -123,15 +112,9 @@ void SceneObjects::add_object(TomlTable object) {
     job_.warnings.push_back(fmt::format(
         "{}the object extends through the panel, from z = {} to {}; set its \"position\", such as \"0 0 -300 mm\"",
         object.where(""), format_length(bounds.low.z), format_length(bounds.high.z)));
-  const Grid& panel = job_.slm.grid;
-  if ((object.has("file") || object.has("arrays")) && !object.has("positions") && !geometry.meshes.empty() &&
-      seen_part(bounds, panel) < 0.25)  // an eye sees more than a camera
-    add_warning(
-        fmt::format("{}the model is {} wide and {} high, of which a camera sees {} × {}; set its \"fit\", such as "
-                    "\"{}\", its \"scale\" or its \"position\"",
-                    object.where(""), format_length(bounds.high.x - bounds.low.x),
-                    format_length(bounds.high.y - bounds.low.y), format_length(panel.width()),
-                    format_length(panel.height()), format_length(std::min(panel.width(), panel.height()))));
+  const bool is_model = object.has("file") || object.has("arrays");
+  if (is_model && !object.has("positions") && !geometry.meshes.empty() && !geometry.is_animated)
+    models_placed_.push_back({object.where(""), bounds.low, bounds.high});
   for (Mesh& mesh : geometry.meshes) {
     if (mesh.material < 0) {
       if (default_material_ < 0) {
@@ -147,6 +130,29 @@ void SceneObjects::add_object(TomlTable object) {
     job_.scene.meshes.push_back(std::move(mesh));
   }
   job_.scene.points.insert(job_.scene.points.end(), geometry.points.begin(), geometry.points.end());
+}
+
+void SceneObjects::warn_of_models_beside_the_view() {
+  // What moves may be elsewhere later, and eyes see more than a camera.
+  if (job_.last_key || job_.camera.eye.z > 0 || !job_.encode.eye.empty() || job_.camera.width > 0) return;
+  const double right = job_.slm.grid.width() / 2, top = job_.slm.grid.height() / 2;
+  constexpr double little = 0.1;  // rooms and landscapes are larger than the view, too
+  for (const auto& [where, low, high] : models_placed_) {
+    const double width = high.x - low.x, height = high.y - low.y;
+    if (!(width > 0 && height > 0)) continue;
+    const double seen = std::max(0.0, std::min(high.x, right) - std::max(low.x, -right)) *
+                        std::max(0.0, std::min(high.y, top) - std::max(low.y, -top)) / (width * height);
+    if (seen == 0)
+      add_warning(fmt::format(
+          "{}the model lies beside what a camera sees, {} × {} about the panel's axis; set its \"position\"", where,
+          format_length(2 * right), format_length(2 * top)));
+    else if (seen < little)
+      add_warning(fmt::format(
+          "{}the model is {} wide and {} high, of which a camera sees {} × {}; set its \"fit\", such as \"{}\", or "
+          "its \"scale\"",
+          where, format_length(width), format_length(height), format_length(2 * right), format_length(2 * top),
+          format_length(2 * std::min(right, top))));
+  }
 }
 
 // Reads an object's geometry and applies place · rotate · scale, once per place.

@@ -30,6 +30,9 @@ class SceneObjects {
   /// Reads the shapes that no object uses, to report errors in them.
   void check_unused_shapes();
 
+  /// Warns of models of which a camera sees little: the unit of a file is not always the one that its user thinks. The job is complete.
+  void warn_of_models_beside_the_view();
+
  private:
   // Meshes and points before they are added to the scene; material -1: set by the code that uses them.
   struct Geometry {
@@ -56,6 +59,12 @@ class SceneObjects {
   /// A model where a camera of its file sees it (CameraPlacing).
   Geometry placed_by_camera(TomlTable& object, const std::string& camera, Geometry local);
   void add_warning(const std::string& sentence);  ///< once
+
+  struct PlacedModel {
+    std::string where;  ///< in the file
+    Vec3 low, high;     ///< bounds [m]
+  };
+  std::vector<PlacedModel> models_placed_;  ///< of files and arrays that rest, each in one place
   Model& load_model(TomlTable& object, const PoseTime& at);
   PoseTime pose_of(TomlTable& object);
   int read_material_name(TomlTable& object);

@@ -224,7 +224,7 @@ void TomlTable::number(const char* key, double& value, const Range& range) {
       }
     }
     if (!number) fail_kind(key, "a number", node);
-    require(range.high > 1 || !(*number >= 5 && *number <= 100),
+    require(range.low < 0 || range.high > 1 || !(*number >= 5 && *number <= 100),
             "{0}expected a part of 1 for \"{1}\", got {2:g}; write {3:g} or \"{2:g} %\"", place(node.source()), key,
             *number, *number / 100);
     check(key, node, *number, range, Quantity::number);

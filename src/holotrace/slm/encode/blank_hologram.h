@@ -17,8 +17,8 @@ namespace holotrace {
 /// What the pixels of a hologram modulate: what the method writes, which for sgd and binary is what the panel can do.
 Modulation modulation_of(const EncodeParams& params, const Slm& slm);
 
-/// The panel with the effects that the levels compensate: those that are named or, if none are, its own level table,
-/// wavefront errors and light.
+/// The panel with the effects that the levels compensate: those that are named or, if none are, those of its own file: with sgd all but
+/// flicker, else its level table, crystal, wavefront errors and light.
 Slm known_panel(const Slm& slm, const EncodeParams& params);
 
 /// @throws Error  if a parameter is out of its range, an effect is unknown, or the panel has fewer levels

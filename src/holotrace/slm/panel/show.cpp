@@ -109,7 +109,7 @@ void warn_other_effects(const Hologram& hologram, const Slm& with, const Observe
   if (!unknown.empty())
     observer.warn(
         fmt::format("the hologram compensates {} but not {}, which are modelled on the SLM \"{}\"; sgd compensates all "
-                    "effects but flicker that [encode] effects names",
+                    "effects but flicker",
                     allowed, unknown, with.name));
   if (!off.empty())
     observer.warn(fmt::format(
@@ -118,10 +118,12 @@ void warn_other_effects(const Hologram& hologram, const Slm& with, const Observe
         off, with.name, off));
 }
 
+// The largest difference of a level's phase [rad] or amplitude.
 double largest_step(const std::vector<CalibrationPoint>& a, const std::vector<CalibrationPoint>& b) {
   if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i].phase - b[i].phase));
+  for (size_t i = 0; i < a.size(); ++i)
+    largest = std::max({largest, std::abs(a[i].phase - b[i].phase), std::abs(a[i].amplitude - b[i].amplitude)});
   return largest;
 }
 
@@ -143,7 +145,7 @@ void warn_newer_data(const Hologram& hologram, const Slm& with, const Observer& 
   const bool has_phases = hologram.modulation != Modulation::amplitude && with.modulation != Modulation::amplitude;
   if (!now.calibration.empty()) {
     if (largest_step(now.calibration, then.calibration) > visible) newer.push_back("calibration");
-  } else if (has_phases && then.calibration.empty()) {
+  } else if (has_phases && then.calibration.empty() && !now.crystal) {
     const auto range_at = [&](const Slm& slm) {
       return slm.phase_range * (slm.design_wavelength > 0 ? slm.design_wavelength / hologram.wavelength : 1);
     };
