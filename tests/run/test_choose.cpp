@@ -8,6 +8,7 @@
 
 #include "holotrace/data/acceptance.h"
 #include "holotrace/run/choose.h"
+#include "holotrace/run/renders.h"
 #include "support/panels.h"
 
 namespace holotrace {
@@ -108,6 +109,14 @@ TEST(Choose, EachQualityHasItsEffort) {
   EXPECT_EQ(effort(Quality::draft, true), (Effort{1, 10, 100, 32}));
   EXPECT_EQ(effort(Quality::good, true), (Effort{4, 16, 160, 64}));
   EXPECT_EQ(effort(Quality::best, true), (Effort{8, 16, 250, 128}));
+}
+
+TEST(Choose, TargetsThatAreDenoisedNeedFewerPaths) {
+  Job job = empty_job();
+  if (!can_denoise_targets(job)) GTEST_SKIP() << "no library of denoising here";
+  EXPECT_EQ(choose_missing(job).render.paths, 32 / 8);
+  job.encode.eye = {0, 0, 0.25};
+  EXPECT_EQ(choose_missing(job).render.paths, 32 / 4);
 }
 
 // Each of these only waves have; the reason names it.

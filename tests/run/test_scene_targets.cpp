@@ -422,7 +422,26 @@ TEST(Eyes, BesideTheOneOfTheCameraAreAWarning) {
       << warning_from(1e-4 + 0.65e-3);
 }
 
-// (w + D)(h + D)/D² of a pupil of 0.5 mm: 3.24 and 4, of which 15·log10(4/2.8) = 2.3 dB.
+// Views of all eyes are denoised and blurred one after the other: each eye keeps its own.
+TEST(Eyes, EachHasItsOwnLight) {
+  Job job = squares_for_an_eye();
+  job.encode.denoise = Denoise::none;
+  job.render.paths = 1;
+  const Vec3 first = eyes_of(job.encode).front(), second = first + Vec3{1e-3, 0, 0};
+  const auto lights = [&](const std::vector<double>& eyes) {
+    job.encode.eye = eyes;
+    return trace_targets(job).eyes->lights.front().lights;
+  };
+  const std::vector<LightField> both = lights({first.x, first.y, first.z, second.x, second.y, second.z}),
+                                one = lights({first.x, first.y, first.z}),
+                                other = lights({second.x, second.y, second.z});
+  ASSERT_EQ(both.size(), 2u);
+  for (size_t k = 0; k < one[0].views.size(); ++k) EXPECT_EQ(both[0].views[k].values, one[0].views[k].values) << k;
+  for (size_t k = 0; k < other[0].views.size(); ++k) EXPECT_EQ(both[1].views[k].values, other[0].views[k].values) << k;
+  EXPECT_NE(one[0].views[0].values, other[0].views[0].values);
+}
+
+// (w + D)(h + D)/D² of a pupil of 0.5 mm: 3.24, 4 and 6.25, of which 15·log10(4/2.8) = 2.3 dB and 5.2 dB.
 TEST(Eyes, AWideEyeboxIsAWarning) {
   Job job = squares_for_an_eye();
   job.encode.iterations = 1;
@@ -436,6 +455,7 @@ TEST(Eyes, AWideEyeboxIsAWarning) {
   EXPECT_TRUE(warning_for("0.5 mm").starts_with(
       "the eyebox of 500 µm × 500 µm is wide for a pupil of 500 µm: from its edge the picture is about 2 dB worse"))
       << warning_for("0.5 mm");
+  EXPECT_NE(warning_for("0.75 mm").find("about 5 dB worse"), std::string::npos) << warning_for("0.75 mm");
 }
 
 TEST(Eyes, SeeAPictureThatFramesForAllPlacesDoNotShowThem) {
